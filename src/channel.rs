@@ -1,4 +1,5 @@
-//! The channel: all memory of one path, and the three handles that an application holds.
+//! The channel: all memory for one group of axes that follow one program, and the three handles that an
+//! application holds: planner, interpolator and operator.
 //!
 //! The front page of the crate runs one program. This example runs a program and then single lines:
 //!

@@ -1,10 +1,10 @@
-//! The memory words for commands and acknowledgements of the operator. The commands are override, feed hold,
-//! resume, abort and reduced speed.
+//! The memory words through which the operator gives commands and acknowledgements to the planner. The
+//! commands are override, feed hold, resume, abort and reduced speed.
 //!
 //! [`crate::operator::Operator`] writes the commands. Each word has one writer, the operator or the planner.
-//! So the operator may give a command at any time, without a lock and without waiting. The words do not need
-//! compare-and-swap, which small cores lack. The planner reads the words in each call and acts a few ticks
-//! later ([`crate::plan`]).
+//! So the operator may give a command at any time, without a lock and without waiting. No access needs
+//! compare-and-swap, which small cores lack. The planner reads the words in each call, and the motion changes
+//! a few ticks later ([`crate::plan`]).
 mod acknowledge;
 
 pub(crate) use acknowledge::OPEN;

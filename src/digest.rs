@@ -1,4 +1,5 @@
-//! A checksum over the set points of all ticks, to compare host and target.
+//! A checksum over the set points of all ticks. If a run on a PC and a run on a microcontroller have the same
+//! checksum, their set points are equal.
 use crate::quantity::Position;
 
 /// A checksum over set points: FNV-1a, 64 bits, over the 32-bit halves of each set point, low half first.

@@ -1,4 +1,5 @@
-//! Glidepath reads an NC program and computes one set point per axis and timer tick, with the same bits on every machine.
+//! Glidepath reads an NC program and computes one set point per axis and timer tick, with the same bits on
+//! every machine.
 //!
 //! The library uses no heap and no `std`. The timer interrupt calculates in integers. The planner also uses
 //! floating point, but only the IEEE operations + − × ÷ √, and checks its results in integers.
@@ -56,7 +57,8 @@
 //!
 //! # Cargo features
 //!
-//! The features from `grbl` on are off by default. A build without a feature refuses the commands of that feature by name.
+//! The features from `grbl` on are off by default. A build without a feature refuses the commands of that
+//! feature by name.
 //!
 //! | feature | adds |
 //! |---|---|
@@ -89,14 +91,20 @@
 //! | which curve a run of short blocks gets | `smooth/surface/mod.rs` |
 //! | which curve the points of a spline get | `smooth/spline/mod.rs` |
 //! | which speed an arc permits | `dynamics/arc.rs` |
+//! | how the limits of all axes become one limit of the path | `dynamics/permitted.rs` |
 //! | which speeds the look-ahead plans | `lookahead/plan.rs`, `lookahead/span.rs` |
+//! | how an override acts | `lookahead/pace.rs`, `plan/pace.rs` |
 //! | what a feed hold does | `plan/hold.rs`, `plan/descent.rs`, `plan/short_stop.rs` |
 //! | at which point an M function is output, and where the motion waits for its acknowledgement | `plan/functions.rs`, `plan/acknowledge.rs` |
 //! | in which tick an M function is output | `queue/actions.rs` |
+//! | which acknowledgement belongs to which function | `control/acknowledge.rs` |
 //! | how an axis moves independently of the path | `single/mod.rs`, `channel/beside.rs` |
 //! | what a tick does, and what it costs | `tick.rs`, `queue/curves.rs`, `queue/cells.rs`; the counts: `docs/figures.md` |
-//! | what happens when the planner gets no time | `plan/reserve.rs` |
+//! | what happens when the planner gets no time, or too little | `plan/reserve.rs`, `plan/late.rs` |
 //! | how planner and interrupt agree on a change | `queue/time.rs`, `queue/clock.rs` |
+//! | how a filter computes a set point | `fir/step.rs` |
+//! | which machine data are refused | `channel/check.rs`, `machine/parameter.rs` |
+//! | where inches become millimetres | `nc/compose.rs`, `nc/number.rs` |
 //! | unit, LSB, range and rounding of a number | `quantity.rs` |
 //!
 //! # Words of the sources
@@ -108,38 +116,38 @@
 //! | anchor | An end of a span: acceleration is zero there. |
 //! | barrier | The end marker in the queue; the interrupt passes this marker only with a change of plan. |
 //! | block | A motion of the program, or a part of one, in the look-ahead. |
-//! | brief block | A block that the motion passes within a tick. |
+//! | brief block | A very short block, of which the motion may pass several within a tick. |
 //! | channel | All memory for one group of axes that follow one program, for planner, interpolator and operator. |
 //! | committed span | A span that the look-ahead has released and the motion has not passed. A command may still change its profile. |
 //! | contour mode | Rounding of corners inside a tolerance (#CONTOUR MODE, G61, G261). |
 //! | corner | A transition where the direction changes. |
-//! | curve | Geometry in the queue: a line, an arc or a polynomial; a `Segment` in the code. |
+//! | curve | Geometry between two points: a line, an arc or a polynomial; in the queue, a `Segment`. |
 //! | cut | The tick at which the interrupt changes from one plan to another. |
 //! | dwell | A programmed pause (G04). |
 //! | ease | The margin between the motion and the limits of a span, so that acceleration at its end need not be zero. |
 //! | element | A curve over its own path length, with direction and curvature at both ends. |
-//! | feed hold | A stop on the path that the operator asks for. |
+//! | feed hold | A stop on the path, by a command of the operator. |
 //! | frontier | The end of the planned pieces in the queue. |
-//! | gate | A synchronisation point: the motion waits there until all demanded acknowledgements have come. |
-//! | instant | The number of a tick of path motion, times two. Odd numbers are free for marks. |
+//! | gate | A synchronisation point: the motion passes this point only after all demanded acknowledgements. |
+//! | instant | Twice the number of ticks that used a piece (motion, dwell, or the tick that shows a standstill). An odd number means "never". |
 //! | joint | In names of the code: a transition. |
 //! | knee | A corner without a curve; also the step of speed that such a corner causes in an axis. |
 //! | law | In names of the code: a speed profile. |
-//! | level | The override for which the look-ahead is planned. It follows the operator's override with a delay. |
+//! | level | The override for which the look-ahead is planned. The level follows the operator's override with a delay. |
 //! | limits | Speed, acceleration and jerk permitted along the path. |
 //! | look-ahead | The ring of blocks whose speeds may still change. |
 //! | overlay | The motion of a single axis, as the interrupt takes it. |
-//! | path distance | Length along the path since the start. |
+//! | path distance | Length along the path since the start. In a curve that is planned over time: time multiplied by the feed. |
 //! | piece | The path distance as a cubic polynomial of time, for a whole number of ticks; a `Phase` in the code. |
 //! | profile | The path speed of a span over time: ramps with times and lengths. |
 //! | programmed block | A motion block as the program has it. |
 //! | ramp | A part of a profile in which acceleration rises or falls. |
 //! | reserve | The stop that the interrupt uses if the planner gets no time. |
-//! | row | Consecutive short blocks that Surface or a spline turns into one curve. |
+//! | row | A run: consecutive short blocks that Surface or a spline turns into one curve. |
 //! | set point | The position of an axis for one tick. |
 //! | slope | The kind of speed profile: STEP, TRAPEZ, SIN2 or HSC. |
 //! | slope share | The part of a jerk limit that a transition leaves to the slope. |
-//! | small build | A build without Surface and splines, with less room in the queue. |
+//! | small build | A build without the features `surface` and `splines`; its queue has less room. |
 //! | smoother | A stage that turns programmed blocks into elements. |
 //! | span | Consecutive blocks with one speed profile; acceleration is zero at both ends. |
 //! | stage | A step of the pipeline, which takes one type and returns the next. |

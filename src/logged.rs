@@ -1,4 +1,5 @@
-//! Proves at compile time that defmt can log every public error, and all reports of planner and operator.
+//! Proves at compile time that the crate `defmt` can log every public error, and all reports of planner and
+//! operator (feature `defmt`).
 use crate::channel::{
     Error, GoOnError, MachineError, PlannedBlock, PositionError, Progress, ZeroOffsetError,
 };

@@ -1,7 +1,8 @@
-//! The operator: commands, functions that are due, acknowledgements, and the status.
+//! The handle `Operator`: gives commands and acknowledgements, takes the functions that are due, and reads
+//! the status.
 //!
-//! The operator is the third handle of a channel. One task owns this handle: a PLC task, a serial task or another
-//! core. No call waits for the planner or the interrupt. Planner and interrupt never wait for the operator.
+//! One task owns this handle: a PLC task, a serial task, or a task on another core. No call waits for the
+//! planner or the interrupt. Planner and interrupt never wait for the operator.
 //!
 //! ```
 //! use glidepath::{AxisData, AxisKind, AxisName, Channel, ChannelData, Function, Handles};

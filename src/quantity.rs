@@ -1,4 +1,5 @@
-//! The fixed-point numbers of set points, feeds and path values, with unit, LSB, range and rounding.
+//! The fixed-point numbers that stages exchange: set points, feeds and path values, with unit, LSB (value of
+//! the lowest bit), range and rounding.
 //!
 //! ```
 //! use glidepath::quantity::{Position, Speed};

@@ -1,8 +1,9 @@
-//! Real-time loops: the blocks between `#RT WHILE` and `#RT ENDWHILE` repeat until a PLC ends them.
+//! Real-time loops (feature `plc`): the blocks between `#RT WHILE` and `#RT ENDWHILE` repeat until a PLC ends
+//! the loop.
 //!
-//! The planner reads the loop once and stores its commands. The planner then plans one pass after the other
-//! while V.RTG.LOOP.ENABLED is true. For the look-ahead, all passes are one long path: the motion passes the
-//! seam between two passes like any other transition.
+//! The planner reads the loop once and stores its commands. The planner then plans one pass after the other,
+//! as long as the variable V.RTG.LOOP.ENABLED is true. For the look-ahead, all passes are one long path. So
+//! the axes need not stop between two passes.
 //!
 //! ```
 //! use glidepath::rt_loop::LoopMemory;

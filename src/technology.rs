@@ -1,5 +1,6 @@
-//! Technology functions M, H, S and T. The planner places each function at a point of the path. When the
-//! motion reaches that point, [`Operator::output`](crate::operator::Operator::output) returns the function.
+//! Technology functions of the program: M, H, S and T. The planner places each function at a point of the
+//! path. When the motion reaches that point, [`Operator::output`](crate::operator::Operator::output) returns
+//! the function.
 //!
 //! An application calls `output` itself. Or it implements [`Technology`], and calls
 //! [`Operator::deliver`](crate::operator::Operator::deliver), which passes all due functions:

@@ -23,20 +23,24 @@
 //! assert_eq!(to_the_drives.last(), Some(&Position::from_num(1)));
 //! ```
 //!
-//! A tick calculates in integers: no division, no square root, no loop without a fixed bound.
+//! A tick calculates in integers: no division, no square root, no loop without a fixed bound. A tick has
+//! these steps:
 //!
 //! 1. When the current piece of the speed profile is used up, the tick takes the next piece
-//!    ([`crate::queue::Timeline`]). A change of plan happens in this step. If the planner is late, this step
-//!    changes to the reserve, the stop that is always ready. Without a piece, the set points stay.
-//! 2. The tick evaluates the cubic of the piece. The value is the path distance.
-//! 3. The tick drops the curves that the distance has passed ([`crate::queue::CurveConsumer::follow`]) and
-//!    evaluates the current curve ([`crate::queue::Track::at`]).
-//! 4. Single axes get their set points from their own motion ([`crate::queue::Overlay`]).
-//! 5. The tick marks the functions that are due and writes its result for the operator
-//!    ([`crate::operator::Operator`]).
+//!    ([`crate::queue::Timeline`]). A change of plan happens in this step. If the queue is empty, the tick
+//!    takes the pieces of the reserve, the stop that is always ready. Without any piece, the path stands
+//!    still, and steps 2 and 3 are left out.
+//! 2. The tick evaluates the cubic polynomial of the piece. The value is the path distance.
+//! 3. The tick drops the curves that the motion has passed ([`crate::queue::CurveConsumer::follow`]) and
+//!    evaluates the current curve ([`crate::queue::Track::at`]). The values are the set points of the path.
+//! 4. Axes that move alone get their set points from their own motion ([`crate::queue::Overlay`]).
+//! 5. The filters of the axes, if there are any, smooth the set points of steps 3 and 4 ([`crate::fir`]).
+//! 6. The tick writes the set points for the operator ([`crate::operator::Operator`]), and marks the
+//!    functions whose point of the path has been reached. With filters, a function is marked later, when the
+//!    filtered axes reach the point.
 //!
 //! The planner guarantees three conditions for the tick. A piece lasts at least one tick. The curve of a
-//! piece is in the ring. At most [`crate::queue::MAX_CURVES_PER_TICK`] curves begin within a tick.
+//! piece is in the ring of curves. At most [`crate::queue::MAX_CURVES_PER_TICK`] curves begin within a tick.
 use crate::fir::{FilterTick, Unfiltered};
 use crate::quantity::{Accel, Distance, Position, Speed};
 use crate::queue::{OverlayReceiver, Receiver};

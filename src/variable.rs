@@ -1,8 +1,10 @@
-//! Variables that a program shares with the application: `V.E.name` and `V.RTG.LOOP.ENABLED`.
+//! Variables that a program shares with the application (feature `plc`): `V.E.name` with any name, and
+//! `V.RTG.LOOP.ENABLED`, which tells whether real-time loops repeat.
 //!
 //! The application declares its variables, and passes them to the planner once
-//! ([`Planner::variables`](crate::Planner::variables)). Any task, interrupt or core may read a variable. The
-//! PLC and the program each write a copy of their own. The copy that was written last is valid.
+//! ([`Planner::variables`](crate::Planner::variables)). Any task, interrupt or core may read a variable. A
+//! variable has one value that the PLC writes, and one that the program writes. A reader gets the value that
+//! was written last.
 //!
 //! ```
 //! use glidepath::variable::{Access, Variable};

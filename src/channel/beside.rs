@@ -1,8 +1,9 @@
 //! Motions of single axes that are independent of the path: oscillations, independent axes, jog.
 //!
 //! A command for a single axis waits until the path stops at the programmed point. Then the axis moves on its
-//! own (in an overlay). The path planner assumes at once that the axis is at its target. If the program has
-//! another command for that axis, the command waits for the end of this motion.
+//! own, in an overlay (a queue of its own). The path planner goes on at once, as if the axis were already at
+//! its target. If the program has another command for that axis, this command waits for the end of the axis's
+//! motion. An oscillation ends in one of these ways:
 //!
 //! | the program or the operator gives | what an oscillating axis does |
 //! |---|---|
@@ -11,7 +12,7 @@
 //! | `OFF FEED` | brakes, then goes to the second position |
 //! | `OFF INSTANT`, an abort | brakes, and stands there |
 //!
-//! A feed hold stops all single axes; after a resume, each axis continues to its target. The override acts on
+//! A feed hold stops all single axes. After a resume, each axis continues to its target. The override acts on
 //! independent axes, but not on oscillations, whose time is programmed. Reduced speed (P-AXIS-00214) acts on
 //! all single axes.
 use super::{Error, Held, Planner, Progress, Source};

@@ -1,4 +1,5 @@
-//! Checks whether a channel can work with machine data.
+//! Checks the machine data before a channel starts: ranges, contradictions, and functions that the build
+//! leaves out.
 use super::MachineError;
 #[cfg(feature = "grbl")]
 use crate::machine::Dialect;

@@ -1,4 +1,5 @@
-//! Checks a program without a plan: takes its text, and returns the refusals and warnings of a run.
+//! Checks a program without a plan (feature `examine`): reads its text, and returns the refusals and warnings
+//! that a run would give.
 //!
 //! Commands take the same route as in a run, up to the look-ahead. The check misses two refusals that need a
 //! plan: a defect of the planner, and a reduced speed (P-AXIS-00214) that is too low.

@@ -1,4 +1,5 @@
-//! `#FILTER`: the planner changes the filter coefficients while all axes stand still, including single axes.
+//! Carries out `#FILTER`: the planner changes the filter coefficients while all axes stand still, single axes
+//! too.
 use super::{Error, Planner, Progress};
 use crate::fir::{Fate, FilterPlan};
 use crate::nc::{Filter, Head, NcWarning, NcWarningKind, Text};

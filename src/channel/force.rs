@@ -1,4 +1,5 @@
-//! Modal words, offsets and stored positions of the decoder, which a controller reports and restores.
+//! The decoder's modal words, offsets and stored positions, for an application that reports and restores
+//! them.
 use super::Planner;
 use super::rest::Busy;
 use crate::fir::FilterPlan;

@@ -1,5 +1,5 @@
-//! Transformations in the program (feature `kinematics`): `#KIN ID`, `#TRAFO`, and the commands that are
-//! refused while a transformation is active.
+//! Carries out the commands for transformations (feature `kinematics`): `#KIN ID` and `#TRAFO`. Also names
+//! the commands that are refused while a transformation is active.
 use super::{Error, Planner};
 use crate::fir::FilterPlan;
 use crate::kinematics::Kinematic;

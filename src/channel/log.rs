@@ -1,4 +1,5 @@
-//! The log of the path ahead for a PLC (feature `plc`).
+//! The planner's functions for a PLC (feature `plc`): the log of the path ahead, and questions about the
+//! coming motion.
 use super::{Error, Planner};
 use crate::contour_log::{Moment, Question, QuestionUnit, Recorder, Unknown};
 use crate::fir::FilterPlan;

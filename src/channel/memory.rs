@@ -1,4 +1,4 @@
-//! The memory of a channel, and the handles that `split` makes from it.
+//! The memory of a channel, and the handles that `split` makes from it: planner, interpolator and operator.
 use super::beside::Beside;
 use super::check::check;
 use super::{MachineError, Planner, Source};

@@ -1,4 +1,5 @@
-//! Real-time loops: the planner reads a loop to its end, then plans one pass after the other (feature `plc`).
+//! Real-time loops (feature `plc`): the planner reads a loop to its end and stores its commands. Then the
+//! planner plans the stored commands again and again, as long as the PLC lets the loop repeat.
 use super::{Error, Planner, Progress};
 use crate::fir::FilterPlan;
 use crate::nc::{Command, Head, Place, Text};

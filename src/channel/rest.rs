@@ -1,4 +1,5 @@
-//! Functions for a channel at rest: the next program, single lines, positions, zero offsets.
+//! Functions for a channel at rest: the next program, single lines, positions, zero offsets. At rest means
+//! that the axes stand still and all commands read so far are carried out.
 //!
 //! The documentation of [`Planner`] says which state each function keeps.
 use super::{Planner, Source};

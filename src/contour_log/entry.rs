@@ -1,5 +1,5 @@
-//! One entry of the log of the path: an element of the path, or a mark. An entry takes twelve words of
-//! memory.
+//! One entry of the log of the path: an element of the path, or a mark. An entry takes twelve words (48
+//! bytes) of memory.
 
 /// Distance from program start, LSB 2^-24 mm (60 pm), range ±549,755 km. The value does not wrap.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]

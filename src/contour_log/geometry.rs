@@ -1,5 +1,5 @@
-//! Computes length, radius and angle of a curve, and its knee: the change of direction from the curve before.
-//! The code runs in the planner, in integers and plain IEEE + − × ÷.
+//! Computes what an entry of the log shows of a curve: length, radius, angle, and the change of direction
+//! from the curve before (`knee`). The planner does this, in integers and with the IEEE operations + − × ÷.
 use super::entry::{BlockType, Entry};
 use crate::math::angle::atan2_turns;
 use crate::math::root::sqrt_wide;

@@ -1,5 +1,5 @@
-//! The structures of ISG's interface to a PLC (HLI), under the names of ISG's manual FCT-C40. They suit a PLC
-//! program written for that interface.
+//! The structures of ISG's interface to a PLC (HLI), with the names of ISG's manual FCT-C40. A PLC program
+//! that was written for that interface can use them.
 //!
 //! The order of the members is that of the manual. Lengths are in 0.1 µm, angles in radians.
 //!

@@ -1,7 +1,7 @@
-//! Shows a PLC the path ahead: the elements of the path before the axes reach them.
+//! A log that shows a PLC the elements of the path before the axes reach them (feature `plc`).
 //!
-//! The planner writes an entry for each curve that enters the look-ahead. Any thread, interrupt or core may read the
-//! entries. Neither side waits for the other.
+//! The planner writes an entry for each curve that enters the look-ahead. Any thread, interrupt or core may
+//! read the entries. Neither side waits for the other.
 //!
 //! | file | content |
 //! |---|---|
@@ -14,8 +14,9 @@
 //! | `hli` | the structures of ISG's interface to a PLC, under ISG's names |
 //! | `unit` | request and response, as in ISG's control unit `contour_lookahead` |
 //!
-//! There are two tables. The *window* has the latest elements of the path, found by distance from program start
-//! (mode 2). The *log* has the elements between `#CONTOUR LOOKAHEAD LOG ON` and `OFF`, found by index (mode 1).
+//! There are two tables. The *window* has the latest elements of the path. A PLC finds them by distance from
+//! program start (ISG's mode 2). The *log* has the elements between the program's commands `#CONTOUR
+//! LOOKAHEAD LOG ON` and `OFF`. A PLC finds them by index (ISG's mode 1).
 mod entry;
 mod geometry;
 mod hli;

@@ -1,8 +1,8 @@
-//! Questions about the coming motion, from a PLC to the planner: one request and its answer, as in
-//! [`super::ControlUnit`].
+//! Questions of a PLC to the planner about the coming motion: one request at a time, and its answer.
 //!
-//! The PLC asks with [`QuestionUnit::ask`]. The planner's task calls [`crate::Planner::answer`] between two polls. The
-//! PLC then reads [`QuestionUnit::answer`]. Neither side waits for the other.
+//! The PLC asks with [`QuestionUnit::ask`]. The planner's task calls [`crate::Planner::answer`] between two
+//! calls of [`crate::Planner::poll`]. The PLC then reads [`QuestionUnit::answer`]. Neither side waits for the
+//! other.
 use super::unit::Pending;
 use crate::quantity::{Distance, Position, Speed};
 use core::sync::atomic::{AtomicU32, Ordering};

@@ -1,4 +1,4 @@
-//! The PLC's handle of the log: the path ahead, by distance or by index.
+//! The PLC's handle of the log: reads the elements of the path ahead, by distance or by index.
 use super::entry::{BlockType, Entry, ProgramDistance};
 use super::recorder::{ACTIVE, CLOSED};
 use super::table::{Row, Table};

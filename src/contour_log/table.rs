@@ -1,10 +1,12 @@
-//! A table of entries with one writer and any number of readers.
+//! A table of entries with one writer and any number of readers, without locks.
 //!
-//! Words are atomic, so no word is half written. Entries have increasing numbers that are not used again. The
-//! head tells which entries are valid. It has two places: the writer fills the hidden place and then makes
-//! this place visible. So a reader that interrupts the writer finds a complete head and does not wait. If the
-//! head changes during the read, a reader on another core reads the head again. An entry that was read is
-//! valid only if its number is still in the table after the read.
+//! Entries are numbered in order, modulo 2^32. The head of the table tells which numbers are valid. The table
+//! has two places for its head: the writer fills the hidden place and then makes this place visible. So a
+//! reader always finds a complete head, also if it interrupts the writer. A reader on another core reads the
+//! head again if another head became visible during the read.
+//!
+//! The writer may overwrite an entry while a reader reads it. So a reader checks the head after the read. The
+//! entry is valid only if its number is still in the table.
 use super::entry::Entry;
 use core::sync::atomic::{AtomicU32, Ordering, fence};
 

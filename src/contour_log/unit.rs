@@ -1,5 +1,5 @@
-//! ISG's control unit `contour_lookahead` (manual FCT-C40): a PLC requests entries of the log, and a
-//! semaphore shows when the response is complete.
+//! ISG's control unit `contour_lookahead` (manual FCT-C40). Through this unit, a PLC requests entries of the
+//! log, and a semaphore shows when the response is complete.
 //!
 //! | ISG's name | call |
 //! |---|---|

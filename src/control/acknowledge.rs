@@ -1,5 +1,5 @@
-//! The table of acknowledgements that the motion waits for. A place of the table has three words, and each
-//! word has one writer:
+//! The table of acknowledgements for which the motion waits. A place of the table is for one function and has
+//! three words. Each word has one writer:
 //!
 //! | word | written by | holds |
 //! |---|---|---|
@@ -7,11 +7,14 @@
 //! | `put_out` | the operator | the ticket of the function that the operator received last |
 //! | `answered` | the operator | the ticket that the operator acknowledged last |
 //!
-//! A function is *open* after its output and before its acknowledgement. A ticket holds the function and a
-//! sequence number, and the code compares whole tickets. So two acknowledgements are never confused, in any
-//! order of accesses: neither an early one, nor a repeated one, nor one for a function that an abort has
-//! dropped. No write depends on the current value of a word: such a write would need compare-and-swap, which
-//! small cores lack.
+//! A ticket names the function and has a sequence number. A function is *open* after its output and before
+//! its acknowledgement. An acknowledgement belongs to the function of this number that has been open for the
+//! longest time.
+//!
+//! The code compares whole tickets, so acknowledgements are never confused, in any order of accesses. An
+//! early acknowledgement, a repeated one, or one for a function that an abort has dropped has no effect. No
+//! write depends on the current value of a word. Such a write would need compare-and-swap, which small cores
+//! lack.
 //!
 //! The planner uses the places in turn. A place never gets a ticket that `put_out` or `answered` still holds.
 use crate::machine::functions;

@@ -1,27 +1,34 @@
-//! The limits inside an arc: the part of acceleration and jerk that the arc uses, and the part for a change
-//! of speed.
+//! The limits inside an arc: its highest speed, and the acceleration and jerk that remain for changes of
+//! speed.
 //!
 //! On an arc of radius r, the path passes through every direction of the plane. With the speed v, the
-//! acceleration a and the jerk j along the arc, each axis shows up to √(a² + (v²/r)²) and √((j − v³/r²)² +
-//! (3·v·a/r)²). At the speed V with V³ = B·r² the curvature alone uses all of the jerk B.
+//! acceleration a and the jerk j along the arc, an axis has at most
 //!
-//! A speed profile begins and ends with zero acceleration and never exceeds the speed v of the arc. So at a
-//! speed w below v, its acceleration is at most √(2·n·(v − w)). Here n is the highest jerk against the
-//! motion. Near the highest speed, nearly no acceleration is left. The jerk against the motion adds to the
-//! jerk of the curvature; the jerk with the motion, p, reduces that jerk. So both limits differ. With w, v, n
-//! and p in units of V and B, the conditions are
+//! - the acceleration √(a² + (v²/r)²),
+//! - the jerk √((j − v³/r²)² + (3·v·a/r)²).
+//!
+//! Let B be the jerk that an axis may have ([`super`]). At the speed V with V³ = B·r², the curvature alone
+//! uses all of B.
+//!
+//! **Acceleration near the highest speed.** A speed profile has zero acceleration at its highest speed v. Let
+//! n be the highest jerk against the motion. Then the acceleration is at most √(2·n·(v − w)) at a lower speed
+//! w. So nearly no acceleration remains near v.
+//!
+//! **Two jerk limits.** A jerk against the motion adds to the jerk of the curvature, but a jerk with the
+//! motion, p, reduces it. So n and p have different limits. With w and v in units of V, and n and p in units
+//! of B, the conditions are
 //!
 //! (n + w³)² + 9·w²·2·n·(v − w) ≤ 1,  max(p − w³, w³)² + 9·w²·2·min(n·(v − w), p·w) ≤ 1
 //!
-//! for every w from 0 to v. For some speeds, [`LEVELS`] lists the best n and p: with them, a profile from a
-//! stop loses the least time against a profile that begins at v. These values also hold for lower speeds and
-//! lower jerks.
+//! for every w from 0 to v. For some values of v, [`LEVELS`] has the n and p with which a start from
+//! standstill takes the least time. These values also fulfil the conditions at lower speeds and with lower
+//! jerks.
 //!
-//! A higher speed takes longer to reach, so the best speed depends on the length of the arc. The code takes
-//! the speed of [`SPEEDS`] with the least time. An arc that continues another arc counts together with that
-//! arc.
+//! **Choice of the speed.** A higher speed leaves less jerk and takes longer to reach. So the best speed
+//! depends on the length of the arc. Of the speeds in [`SPEEDS`], the one with the least time is taken. An
+//! arc that continues the circle of the arc before counts together with this arc.
 //!
-//! These limits do not apply to an acceleration that passes the end of an arc: see [`Share::passing`].
+//! These limits do not cover an acceleration that passes the end of an arc: see [`Share::passing`].
 use super::Share;
 use super::permitted::{ARC_PART, ARC_SLOPE_PART, SURELY};
 use crate::math::float::{max, min};

@@ -1,4 +1,4 @@
-//! The limits of one axis: converts machine data to values per tick.
+//! The limits of one axis: machine data converted to mm and ticks.
 use super::{JERK_MARGIN, KNEE_PART, MARGIN, SLIGHT, SMOOTH};
 use crate::dynamics::permitted::TRANSITION_PART;
 use crate::machine::{AxisData, ChannelData, Stages};

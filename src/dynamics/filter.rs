@@ -1,10 +1,15 @@
-//! Limits of axes with a filter after the path: AX_DEV, ACC_FACT, and filters with negative taps.
+//! Limits of axes with a FIR filter. Three things change the limits:
 //!
-//! A filtered axis deviates from its set point, delayed by the filter's delay, because of its acceleration
-//! and because of steps of its speed at corners. Each cause gets a part of AX_DEV ([`crate::fir::Watch`]).
-//! The part for acceleration is the same everywhere. A step of speed without another step inside the filter's
-//! window may use the rest. Steps closer than the window get a tenth each. Together they get the part of a
-//! curve with the same acceleration.
+//! - AX_DEV limits how far a filtered axis may deviate from its unfiltered set points, delayed by the same
+//!   time.
+//! - ACC_FACT (1…10) permits a larger step of speed at a corner without a curve, because the filter spreads
+//!   the step over several ticks.
+//! - A filter with negative taps can raise speed, acceleration and jerk, so the limits are lowered.
+//!
+//! A filtered axis deviates when it accelerates, and when its speed has a step at a corner without a curve.
+//! The two causes share AX_DEV ([`crate::fir::Watch`]). The part for acceleration is the same everywhere. The
+//! rest is for a step of speed, if no other step is within the length of the filter. If several steps are
+//! closer, each of them gets a tenth of AX_DEV. Together they count like a curve with the same acceleration.
 use super::{Axis, Dynamics, LSB_40, Permitted};
 use crate::dynamics::axis::{Set, TransitionLimits};
 use crate::fir::{CLOSE, GOING_ON, REACH, SHORT, Watch};

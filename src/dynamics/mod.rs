@@ -1,25 +1,30 @@
-//! Limits along the path, from the limits of the axes: speed, acceleration and jerk inside an element, and
-//! the speed at a transition between two elements.
+//! Turns the limits of the axes into limits along the path: speed, acceleration and jerk inside an element,
+//! and the speed at a transition.
 //!
-//! All values are per tick and in `f32`. Three margins cover the rounding of `f32` and of the integers of later stages,
-//! so the limits of the axes hold exactly:
+//! All values are per tick, in `f32`. Every limit is lowered by a margin for rounding, so the set points keep
+//! the limits of the axes exactly:
 //!
 //! | limit | margin | covers |
 //! |---|---|---|
-//! | speed, acceleration | 1 − 2^-19 | ten roundings of 2^-24; sixteen for the plan, and six for its check |
+//! | speed, acceleration | 1 − 2^-19 | 32 roundings of 2^-24: ten in this module, sixteen in the plan, six in the check of the plan |
 //! | jerk | 1 − 2^-13 | the same, and third differences of path distances rounded to 2^-44 mm |
-//! | small accelerations | 4 · 2^-37 mm/tick² | rounding of path distances, amplified in axes that move farther than the path |
+//! | small accelerations | 4 · 2^-37 mm/tick² | rounding of path distances; an axis that moves farther than the path enlarges this rounding |
 //!
-//! **Jerk.** An axis may show the jerk `B = a / min(ramp time, geometric ramp time)`. On arcs and at
-//! transitions with a corner, the speed profile and the geometry both cause jerk. Each gets a part of `B`.
-//! Ramps of SIN2 count with their peak jerk, π/2 times the mean, so the axis shows at most the larger one of
-//! `B` and π/2 · a / ramp time. The curvature of a curve with CHECK_JERK=1 may cause the jerk `a / geometric
-//! ramp time`, which may be less than `B`.
+//! **Jerk.** `B` is the jerk that an axis may have where its motion has a geometric cause too: on arcs and at
+//! transitions. For each ramp of an axis, `a` / min(ramp time, geometric ramp time) is computed, with its
+//! acceleration or deceleration `a`. `B` is the lowest of these values. The speed profile and the geometry
+//! each get a part of `B`. If a curve has CHECK_JERK=1, its curvature may cause the jerk `a` / geometric ramp
+//! time, which may be less than `B`.
 //!
-//! **STEP** has no jerk limit. A knee (a corner without a curve) is a step of speed. This step adds an
-//! acceleration to the one of the speed profile. So a quarter of `a_max` is reserved for knees on every arc.
-//! A line reserves this quarter if it ends at a knee, or at a block that may take less than a tick. A knee
-//! takes at most the speed that the acceleration of a stage gains in one cycle.
+//! A ramp of SIN2 has a peak jerk of π/2 times its mean jerk. Where the geometry causes jerk too, the planner
+//! counts this peak. On a straight line, the peak is π/2 · `a` / ramp time. So an axis with SIN2 has at most
+//! the larger one of this peak and `B`.
+//!
+//! **STEP** has no jerk limit. At a knee (a corner without a curve), the speed of an axis has a step, which
+//! acts like an acceleration for one tick. This acceleration adds to that of the speed profile. So every arc
+//! leaves a quarter of `a_max` (P-AXIS-00008) for knees. A line does so if a knee is at one of its ends, or
+//! if the line or its neighbour may take less than a tick. The step of speed at a knee is at most 1 tick
+//! times the lowest acceleration of STEP, and at most 1 tick times a quarter of `a_max`.
 
 mod arc;
 mod axis;

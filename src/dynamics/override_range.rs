@@ -1,5 +1,5 @@
-//! How the speed of a block follows the override (P-CHAN-00066) and the reduced speed (P-AXIS-00214). The
-//! look-ahead stores this in four bytes per block.
+//! How the speed of a block changes with the override (P-CHAN-00066) and with reduced speed (P-AXIS-00214),
+//! in four bytes for the memory of the look-ahead.
 use crate::math::float::{max, min};
 use crate::math::root::sqrt_f32;
 use crate::slope::limits::ROUNDED;

@@ -1,5 +1,5 @@
-//! How each axis restricts the limits of an element, and which limits a transition leaves to the speed
-//! profile of the element.
+//! Combines the limits of all axes into the limits of an element along the path. Also holds the part of these
+//! limits that a transition leaves to the speed profiles of both elements.
 use super::axis::Set;
 use super::override_range::OverrideRange;
 use super::{ROUGH, ROUGH_BELOW};

@@ -1,5 +1,5 @@
-//! Limits of polynomials: curves at corners, of Surface and of splines. The parameter of a polynomial is its
-//! path length or time.
+//! Limits inside a curve that is a polynomial: at corners, in Surface and in splines. The parameter of such a
+//! polynomial is its path length or, for some corners, time.
 use super::axis::{Axis, Set};
 use super::{Dynamics, KNEE_PART, NO_LIMIT, NORMAL_PART, Permitted};
 use crate::dynamics::Share;

@@ -1,7 +1,8 @@
-//! The limits of the axes for a stop, along the part of the path that the stop uses.
+//! The deceleration and jerk that the axes permit for a stop on the coming part of the path.
 //!
-//! An element is planned for its highest speed, and for the place where it bends most. A stop uses only a
-//! part of the element, at falling speed, so the axes permit more deceleration.
+//! The planned limits of an element are for its highest speed, and for the place with the strongest
+//! curvature. A stop uses only a part of the element, at a falling speed. So the axes permit more
+//! deceleration than the planned limits.
 use super::axis::{Axis, Set};
 use super::permitted::{TRANSITION_PART, less_rough};
 use super::{Dynamics, KNEE_PART, MARGIN};

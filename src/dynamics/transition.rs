@@ -1,4 +1,5 @@
-//! The highest speed at a transition from one element to the next.
+//! The highest speed at the transition from one element to the next, for a change of direction or of
+//! curvature.
 use super::axis::TransitionLimits;
 use super::{Dynamics, KNEE_PART, LSB_40, MARGIN, SLIGHT, SMOOTH};
 use crate::dynamics::arc::HIGHEST;

@@ -1,8 +1,9 @@
-//! Limits of arcs on a circle that has already turned twice.
+//! Limits of an arc on a circle that has already turned twice.
 //!
-//! Such an arc may be as fast as an endless circle, except for its end. If the circle ends with this arc, the
-//! motion has to brake there. Near the highest speed, the curvature leaves nearly no jerk for braking
-//! ([`super::arc`]). So the end of the arc has its own limits with a lower speed, which costs the least time.
+//! Such an arc may be as fast as an endless circle, except near its end. The circle may end there, and the
+//! motion may have to brake. Near the highest speed of an arc, the curvature leaves nearly no jerk for
+//! braking ([`super::arc`]). So the last part of the arc has limits of its own: a lower speed, and more jerk
+//! for braking. They are chosen for the least time.
 use super::arc::{MOST_TURNS, NEARLY, TWO_TURNS};
 use super::{Dynamics, Permitted};
 use crate::math::float::{max, size_f32, to_bits};

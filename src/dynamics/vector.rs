@@ -1,15 +1,14 @@
-//! `#VECTOR LIMIT`: limits along the path, for the blocks that follow. These limits only lower the limits of
-//! the axes.
+//! `#VECTOR LIMIT`: limits of speed and acceleration along the path, for the blocks that follow. These limits
+//! can only lower what the axes permit.
 //!
 //! - ACC, DEC and VEL are switched on and off separately; ALL means all three. Without a value they have the
 //!   values of the channel: P-CHAN-00002, P-CHAN-00208, P-CHAN-00090.
-//! - Accelerations are in mm/min² or, with P-CHAN-00351, in mm/s²; speeds in mm/min. If no main axis moves,
-//!   degrees replace millimetres.
-//! - Without RAPID and FEED, the limits act on feed motion. RAPID: on rapid motion only; FEED RAPID: on both.
-//!   OFF without RAPID and FEED ends both.
-//! - A limit of acceleration does not change the ramp times, so the jerk falls in the same ratio. A weight
-//!   has the same effect.
-//! - ACC acts on lines; on arcs too with P-CHAN-00350.
+//! - Speeds are in mm/min. Accelerations are in mm/min² or, with P-CHAN-00351, in mm/s². If no main axis
+//!   moves, degrees replace millimetres.
+//! - With the keyword RAPID, the limits act on rapid motion only; with FEED RAPID, on feed and rapid motion;
+//!   without both, on feed motion only. OFF without FEED and RAPID ends the limits of feed and rapid motion.
+//! - A limit of acceleration does not change the ramp times, so it lowers the jerk in the same ratio.
+//! - ACC acts on lines, and on arcs if P-CHAN-00350 is set.
 use crate::dynamics::MARGIN;
 use crate::machine::{AccelerationUnit, ChannelData};
 use crate::math::float::{min, to_f32};

@@ -1,17 +1,19 @@
-//! G130…G134, G231…G233, G338, G339: the machine data of an axis, weighted.
+//! Weights of the program: G130…G134, G231…G233, G338 and G339 change accelerations and ramp times of the
+//! axes, in percent of the machine data.
 //!
-//! A weight is a percentage of the machine data, not of an earlier weight: 50 % twice is 50 %. An axis that
-//! the command does not name has 100 %. A weight acts on the following blocks, up to the end of the program.
-//! Weighted values stay inside the ranges of the machine data:
+//! A weight refers to the machine data, not to an earlier weight: 50 % twice is 50 %. An axis that the
+//! command does not name gets 100 %. A weight acts on the following blocks, up to the end of the program.
+//! Weighted values stay inside these bounds:
 //!
-//! | value | from | to |
+//! | value | lower bound | upper bound |
 //! |---|---|---|
 //! | accelerations | 1 mm/s² | P-AXIS-00008 |
 //! | ramp times at feed | the larger one of P-AXIS-00201 and P-AXIS-00293 | 2^32 µs |
-//! | rapid and geometric ramp time | P-AXIS-00201, or the machine data where they are below it | 2^32 µs |
+//! | rapid and geometric ramp time | P-AXIS-00201 | 2^32 µs |
 //!
-//! P-CHAN-00001 and P-CHAN-00073 select accelerations and ramps at feed. G338 and G339 have the effect of
-//! G133 and G233.
+//! If the machine data of a ramp time are below the lower bound, they are the bound. P-CHAN-00001 selects
+//! whether the weight acts on acceleration, deceleration or both; P-CHAN-00073 selects one of the four ramps
+//! at feed, or all. G338 acts as G133, and G339 as G233.
 use crate::machine::{AxisData, ChannelData};
 use crate::math::divide::div_wide;
 use crate::math::wide::mul_shift;

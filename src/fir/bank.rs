@@ -1,11 +1,14 @@
-//! The planner's handle of the filters: the filters in force, a demanded change, and the progress of this
-//! change.
+//! The planner's handle of the filters: the coefficients in force, and the change that a `#FILTER` command
+//! demands.
 //!
-//! Coefficients change only while the path stands still and the filters have settled. At this time, the
-//! interrupt reads no coefficients, and only the planner can start the path. The planner writes all words,
-//! one axis per call, and then increments [`Words::asked`]. The interrupt fills its samples with the
-//! positions of the axes, some per tick, and answers by [`Words::done`]. No set point jumps: while the path
-//! stands still, any coefficients give the same set point.
+//! The coefficients change only while the path stands still and the filters have settled. Any coefficients
+//! then give the same set points, so no set point jumps. The change has three steps:
+//!
+//! 1. The planner writes the words of the new coefficients, one axis per call. The interrupt reads none of
+//!    them at this time, and only the planner can start the path.
+//! 2. The planner increments [`Words::asked`].
+//! 3. The interrupt copies the coefficients and fills its samples with the positions of the axes, some per
+//!    tick. Then the interrupt answers by [`Words::done`].
 use super::design::{self, Design, FilterError};
 use super::kernel;
 use super::shape::{Shape, Watch};

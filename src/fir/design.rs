@@ -1,4 +1,4 @@
-//! Computes the filter of each axis from machine data and `#FILTER`.
+//! Finds type, order and shape of each axis's filter, from the machine data and the `#FILTER` command.
 use crate::machine::{FilterData, FilterType};
 use crate::math::float::to_f32;
 use crate::nc::{self, Value};

@@ -1,17 +1,19 @@
-//! Computes the taps of one axis from the design of the filter and the delay of the channel. The taps are
-//! integers whose sum is [`ONE`].
+//! Computes the taps of one axis, from the type and order of its filter and from the delay that all axes of
+//! the channel have. The taps are integers whose sum is [`ONE`].
 //!
-//! The weight of a tap at the distance d (cycles) from the centre, for the order N:
+//! The weight of a tap at the distance d (cycles) from the centre, for a filter of N + 1 taps:
 //!
 //! | type | weight |
 //! |---|---|
 //! | moving average | 1 |
 //! | Gauss | exp(−d²/2σ²), σ = QUALITY·N/6 |
-//! | windowed sinc | sin(2π·FCUT·T·d)/(π·d) times Blackman's window over N + 2 cycles |
+//! | windowed sinc | sin(2π·FCUT·T·d)/(π·d) times Blackman's window over N + 2 cycles; T: cycle time |
 //!
-//! SHARE p: p times the filter, plus 1 − p times the set point with the same delay. The rounding of the sum
-//! is added to the centre tap. If another axis has an order of the other parity, both delays differ by half a
-//! cycle. Then each tap is averaged with its neighbour, which adds half a cycle.
+//! With SHARE p, the output is p times the filter plus 1 − p times the set point with the same delay. The
+//! rounding of all taps is added to the centre tap, so the sum is exact.
+//!
+//! A filter delays by N/2 cycles. If N is even for one axis and odd for another one, the delays differ by
+//! half a cycle. Then each tap is averaged with its neighbour, which delays by another half cycle.
 use super::design::Design;
 use super::{AxisWords, Kind, Layout, ONE};
 use crate::machine::FilterType;

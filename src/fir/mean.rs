@@ -1,6 +1,5 @@
-//! The moving average as a running sum.
-//!
-//! The sum n·y changes by the newest sample minus the oldest one, for any length n.
+//! The moving average of n samples as a running sum. In each tick, the newest sample is added and the oldest
+//! one is subtracted. So the cost does not depend on n.
 
 /// Number of bits by which a difference is shifted right before the first of two divisions.
 const SCALE: u32 = 13;

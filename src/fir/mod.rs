@@ -1,7 +1,7 @@
-//! FIR filters of the axes, between the path and the drives.
+//! FIR filters of the axes. They smooth the set points between the path and the drives.
 //!
-//! A channel with filters is made by [`Channel::split_filtered`](crate::channel::Channel::split_filtered), with memory for
-//! the samples:
+//! A channel with filters is made by [`Channel::split_filtered`](crate::channel::Channel::split_filtered),
+//! with memory for the samples:
 //!
 //! ```
 //! use glidepath::fir::Filters;
@@ -32,13 +32,13 @@
 //! | `samples` | memory of the last ticks of an axis |
 //! | `mean`, `taps` | the output of one tick |
 //!
-//! **Delay.** A filter of order N has N + 1 symmetric taps and a delay of N/2 cycles; a time delay of order N
-//! has N cycles. All axes get the longest delay, so the path keeps its shape. After the last motion, the axes
-//! reach the exact end of the path within the length of the filter.
+//! **Delay.** A filter of order N has N + 1 symmetric taps and a delay of N/2 cycles. A pure time delay of
+//! order N delays by N cycles. All axes get the longest delay of any axis, so the path keeps its shape. After
+//! the last motion, the axes reach the exact end of the path within the length of the filter.
 //!
-//! **Memory.** [`Filters`] is static memory of `TAPS` samples per axis. `TAPS` is even, and the highest order is `TAPS`
-//! − 1. Each tap takes 10 bytes per axis: 8 for the sample and 2 for the coefficient. A channel without filters uses
-//! [`Unfiltered`], which takes neither memory nor instructions.
+//! **Memory.** [`Filters`] is static memory of `TAPS` samples per axis. `TAPS` is even, and the highest order
+//! is `TAPS` − 1. Each tap takes 10 bytes per axis: 8 for the sample and 2 for the coefficient. A channel
+//! without filters uses [`Unfiltered`], which takes neither memory nor instructions.
 //!
 //! **Rounding.** The remainder of each rounding is added to the next set point. So the error of a set point
 //! is less than one LSB (2^-32 mm), and the error of its third difference is less than 8 LSB. The planner

@@ -1,8 +1,8 @@
-//! Stores the positions, or the second differences, of the last ticks of one axis.
+//! Stores the positions of the last ticks of one axis, or their second differences.
 //!
-//! Positions are in a ring that is as long as the window of the filter: the newest position replaces the
-//! oldest. Second differences are stored twice, so that every window of second differences is contiguous in
-//! memory.
+//! Positions are in a ring that is as long as the filter: the newest position replaces the oldest. Each
+//! second difference is stored at two places of an array. So the second differences that a filter needs are
+//! always one slice of this array, without a wrap.
 
 /// Positions, or second differences. All bits are zero when new.
 pub(super) struct Samples<const TAPS: usize>([[i32; 2]; TAPS]);

@@ -1,15 +1,15 @@
-//! Computes how far filter taps move an axis off its path, and which limits of acceleration and speed keep
-//! this deviation inside AX_DEV.
+//! Computes how far the taps of a filter move an axis off its path, and which limits of acceleration and
+//! speed keep this deviation inside AX_DEV.
 //!
-//! Let h be the taps, δ a filter that only delays, and G the second sum of h − δ. The deviation of an axis
-//! from its delayed set point is exactly Σ G·x'', where x'' are the second differences of the axis. So the
-//! deviation is at most Σ|G| times the largest acceleration. A step of speed adds at most |G(0)| times the
-//! step. With SHARE p, all values are multiplied by p.
+//! **Bound by the acceleration.** Let h be the taps, δ a filter that only delays by the same time, and G the
+//! second sum of h − δ. The deviation of an axis from its delayed set point is exactly Σ G·x'', where x'' are
+//! the second differences of its set points. So the deviation is at most Σ|G| times the largest acceleration.
+//! A step of speed adds at most |G(0)| times the step. With SHARE p, all values are multiplied by p.
 //!
-//! If the jerk of the axis is limited everywhere, steps of speed included, there are better bounds. G is
-//! split into a part g and the differences of a function T. Then the deviation is at most Σ|g| times the
-//! largest acceleration plus Σ|T| times the largest jerk. The code uses two splits; S(k) is the sum of G from
-//! k outwards:
+//! **Bound by acceleration and jerk.** If the jerk of the axis is limited everywhere, also at corners without
+//! a curve, there are two other bounds, and the smaller one holds. G is split into a part g and the
+//! differences of a function T. Then the deviation is at most Σ|g| times the largest acceleration plus Σ|T|
+//! times the largest jerk. The two bounds come from two splits. S(k) is the sum of G from the outer end to k:
 //!
 //! | T | Σ\|g\| |
 //! |---|---|
@@ -17,13 +17,24 @@
 //! | S up to its last change of sign, 0 from there to the centre | \|ΣG\| for orders below that |
 //!
 //! Accelerations and jerks are lowered by the same factor ([`Watch::bound`]). The worst motion with these
-//! limits reaches at least 94 % of the lower bound, with ramps of 50 cycles. So a better bound is not worth
-//! its search.
+//! limits reaches at least 94 % of the smaller bound, with ramps of 50 cycles. So no other bound would be
+//! much smaller.
 //!
-//! A sinc of a high order has many lobes. The worst motion speeds up and brakes in the rhythm of these lobes.
-//! A corner is only one or two pulses of jerk, so its deviation is smaller than AX_DEV. But all blocks have
-//! the same limits. The table gives deviations as parts of AX_DEV, for corners of 90° at 4000 mm/min, FCUT =
-//! 30 Hz, 1 ms, TRAPEZ with ramps of 50 ms:
+//! **Parts of AX_DEV.** Without such a jerk limit, acceleration and steps of speed at corners (P-AXIS-00013)
+//! share AX_DEV. Their sum never exceeds AX_DEV, because each may have any sign:
+//!
+//! | where | quantity | part |
+//! |---|---|---|
+//! | in blocks longer than the filter | acceleration of the axis, times Σ\|G\| | 0.91 |
+//! | a step of speed with no other one within the length of the filter | the step times \|G(0)\|, beside the acceleration before and after it | the rest: 0.09…1 |
+//! | closer steps, and the blocks between them | each step | 0.09 |
+//! | | acceleration of the axis | 0.455 |
+//! | | all steps, as the acceleration of a curve: steps per time | 0.455 |
+//!
+//! **Why the limits are not higher at corners.** A sinc of a high order has many lobes. The worst motion
+//! speeds up and brakes in the rhythm of these lobes. A corner is only one or two pulses of jerk, so its
+//! deviation is smaller than AX_DEV. But all blocks have the same limits. The table gives deviations as parts
+//! of AX_DEV, for corners of 90° at 4000 mm/min, FCUT = 30 Hz, 1 ms, TRAPEZ with ramps of 50 ms:
 //!
 //! | order | a corner | short blocks, same limits | a corner, with the best of all ratios of acceleration to jerk |
 //! |---|---|---|---|
@@ -38,10 +49,10 @@
 //! Up to order 96, longer ramps would permit a corner with 0.9 of AX_DEV, but the program usually takes
 //! longer.
 //!
-//! Corners between long blocks cannot have separate limits either, because their deviation depends more on
-//! the speed than on the neighbouring blocks. Under the same limits, other corners of the same square, and a
-//! feed hold, deviate more. All values are proportional. If the limits give a corner at 4000 mm/min 0.9 of
-//! AX_DEV, these motions exceed AX_DEV.
+//! Separate limits for corners between long blocks would not help either. Their deviation depends more on the
+//! speed than on the neighbouring blocks. All deviations grow in proportion to the limits. With limits for
+//! 0.9 of AX_DEV at 4000 mm/min, other corners of the same square, and a feed hold, would exceed AX_DEV. With
+//! the present limits, their deviations are:
 //!
 //! | order | 90° at 4000 mm/min | at a lower feed, or override | a reversal there | a hold while speeding up to 4000 mm/min |
 //! |---|---|---|---|---|
@@ -49,25 +60,14 @@
 //! | 128 | 0.36 | 0.54 (101 mm/min) | 0.68 | 0.51 |
 //! | 200 | 0.31 | 0.38 (70 mm/min) | 0.55 | 0.40 |
 //!
-//! Longer ramps reduce these differences. With ramps of 80 to 100 ms, and limits with which a corner has 0.9,
-//! slower corners and a feed hold reach at most 1.07 of AX_DEV. But if an operator changes the override by
-//! two percent in the rhythm of the lobes, the deviation is 1.07 to 1.68 of AX_DEV. So higher limits would
-//! only be possible for the ramps of the program, and only for an axis that stands still on the other side of
+//! Longer ramps reduce these differences. With ramps of 80 to 100 ms, and limits for 0.9 at a corner, slower
+//! corners and a feed hold reach at most 1.07 of AX_DEV. But if an operator changes the override by two
+//! percent in the rhythm of the lobes, the deviation is 1.07 to 1.68 of AX_DEV. So higher limits would be
+//! possible only for the ramps of the program, and only for an axis that stands still on the other side of
 //! the transition. Motions that a command changes would keep the present limits.
 //!
-//! At a corner without a curve, the speed of an axis has a step (P-AXIS-00013). Acceleration and step share
-//! AX_DEV, because each may have any sign. Above order 100, a corner would use 0.9 only if acceleration had
-//! 0.1 of AX_DEV, a ninth of the present value.
-//!
-//! Otherwise AX_DEV is shared so that the sum never exceeds it:
-//!
-//! | where | quantity | part |
-//! |---|---|---|
-//! | in blocks longer than the window | acceleration of the axis, times Σ\|G\| | 0.91 |
-//! | a step of speed with no other one within the window | the step times \|G(0)\|, beside the acceleration before and after it | the rest: 0.09…1 |
-//! | closer steps, and the blocks between them | each step | 0.09 |
-//! | | acceleration of the axis | 0.455 |
-//! | | all steps, as the acceleration of a curve: steps per time | 0.455 |
+//! At a corner without a curve, above order 100, a deviation of 0.9 would leave only 0.1 of AX_DEV for
+//! acceleration. This is a ninth of the present value.
 use super::{AxisWords, Kind, Layout, ONE};
 use crate::math::float::{max, min};
 

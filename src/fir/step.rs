@@ -1,7 +1,7 @@
 //! The interrupt's handle of the filters: one set point per axis and tick, in integers, without a division.
 //!
-//! The rounding remainder of a set point is added to the next one. Over a motion, the sum of the output
-//! equals the sum of the input. While the path stands still, the set point is exactly that of the path.
+//! The rounding remainder of a set point is added to the next one, so rounding errors do not add up over a
+//! motion. While the path stands still, the set point is exactly that of the path.
 use super::bank::{COARSE, PLAIN};
 use super::mean::Mean;
 use super::samples::{Ring, Samples};

@@ -1,8 +1,9 @@
-//! Symmetric taps: the output of the filter, from second differences.
+//! The output of a filter with symmetric taps, computed from second differences.
 //!
-//! A set point is Σ h·x. So the second difference of the set point is the same sum over the second
-//! differences of the path, which fit into a word ([`REACH`]). A pair of samples is added and then multiplied
-//! once. Two running sums give the set point. All values are integers, so there is no loss and no drift.
+//! A filtered set point is Σ h·x, with the taps h and the set points x of the path. So the second difference
+//! of the filtered set point is the same sum over the second differences of the path. Those fit into a word
+//! ([`REACH`]). Two samples with the same tap are added and then multiplied once. Two running sums turn the
+//! second difference into the set point. All values are integers, so nothing is lost and nothing drifts.
 use super::{Layout, ONE};
 use core::sync::atomic::{Ordering, compiler_fence};
 

@@ -1,5 +1,9 @@
-//! Appends a block to the ring. This file decides the speed of the transition before the block, the limits
-//! that this transition leaves on both sides, and whether acceleration may pass it.
+//! Appends a block to the ring of the look-ahead. For the transition from the block before, this file
+//! decides:
+//!
+//! - the highest speed at the transition,
+//! - which part of the limits the corner uses; the speed profiles of both blocks get only the rest,
+//! - whether acceleration may be other than zero there.
 use super::block::{AnchorMarks, Block, Kind, Marks};
 use super::knees::{Between, Knee};
 use super::pace::Slowest;

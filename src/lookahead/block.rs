@@ -1,5 +1,5 @@
-//! A block in the ring: its limits, the planned speeds at its start, and the properties of the transition
-//! there.
+//! A block of the ring: its limits, its length, the planned speed at its start, and the properties of the
+//! transition there.
 use super::ease::Ease;
 use super::planned::Planned;
 use crate::dynamics::{OverrideRange, Passing};

@@ -1,4 +1,5 @@
-//! Memory of the blocks: a ring from which blocks leave in the order in which they entered.
+//! Memory of the blocks: a ring buffer of fixed size, without heap. Blocks enter at the end and leave at the
+//! front.
 use super::block::Block;
 
 /// A ring of blocks, counted from its front. All bits are zero when new, so the ring takes no flash.

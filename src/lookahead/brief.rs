@@ -1,13 +1,16 @@
-//! Limits how many blocks the motion passes in a tick. The interrupt can pass at most [`MAX_CURVES_PER_TICK`]
-//! curves per tick, which is 32. So 31 consecutive blocks must take at least a tick. In a small build the
-//! number is 16, so 15 blocks must take at least a tick.
+//! Limits how many blocks the motion passes per tick, because the interrupt passes at most
+//! [`MAX_CURVES_PER_TICK`] curves per tick. (Between the starts of 32 curves lie 31 blocks.)
 //!
-//! The rule holds if each block takes a 31st of a tick. But then a single block far shorter than its
-//! neighbours would make the whole motion very slow. So up to [`MOST_BRIEF`] of 31 consecutive blocks may be
-//! *brief* and take less time. Each of the other twenty or more blocks then takes a 20th of a tick. (In a
-//! small build, up to 5 of 15 blocks are brief, and each of the others takes a 10th of a tick.) A block is
-//! brief only if it is far shorter than the last block that is not brief. So the motion may pass up to 31
-//! equal blocks per tick.
+//! | build | curves per tick, at most | blocks in a row that take at least a tick | brief blocks among them, at most | least time of the other blocks, if some are brief |
+//! |---|---|---|---|---|
+//! | usual | 32 | 31 | 11 ([`MOST_BRIEF`]) | 1/20 tick |
+//! | small | 16 | 15 | 5 | 1/10 tick |
+//!
+//! The following numbers are those of the usual build. A simple rule would be that every block takes at least
+//! 1/31 tick. But then the motion would be very slow in a single block that is far shorter than its
+//! neighbours. So some blocks may be *brief*. A brief block is at least eight times shorter than the last
+//! block that is not brief, and may take less than 1/31 tick. As long as there are no brief blocks, for
+//! example in a row of equal blocks, the motion may pass 31 blocks per tick.
 use crate::dynamics::OverrideRange;
 use crate::math::float::{max, min};
 use crate::queue::MAX_CURVES_PER_TICK;

@@ -1,17 +1,21 @@
-//! Removes anchors (places with zero acceleration) by gentler profiles.
+//! Removes anchors (points where acceleration has to be zero) if one profile for the spans on both sides
+//! takes less time.
 //!
-//! A slow block makes its end an anchor if the speed rises after it, and its start an anchor if the speed
-//! falls before it. A transition between blocks of clearly different acceleration is an anchor too
-//! ([`super::append`]). Acceleration falls to zero at the anchor and rises again afterwards. One profile for
-//! the spans on both sides may be faster. Such a profile has one of two forms. Either it uses less
-//! acceleration or deceleration, so that it passes the slow block at just that block's speed. Or its highest
-//! speed is that of the slow block.
+//! At an anchor, acceleration falls to zero and rises again. This takes time. Two kinds of anchors are tried:
+//!
+//! - An end of a slow block, between this block and a faster part of the path ([`super::span`]). Without the
+//!   anchor, one profile covers the slow block and the faster part. To stay below the limit in the slow
+//!   block, the profile uses less acceleration or deceleration than permitted. Or the highest speed of the
+//!   profile is that of the slow block.
+//! - A transition between two blocks whose accelerations differ clearly ([`super::append`]).
 //!
 //! Each anchor is tried once, as soon as the speeds up to the next anchor are final. The first profile uses
-//! all acceleration that the blocks permit, and is compared with every block. If it is too fast while the
-//! speed changes, the secant method finds the largest acceleration that keeps the limit, in steps of 2^-8. If
-//! it is too fast at its peak, its highest speed is lowered. After a few rounds, the profile keeps all
-//! limits, or the anchor stays. The anchor also stays if the profile takes longer.
+//! all acceleration that the blocks permit, and is compared with every block. If the profile is too fast in a
+//! block while the speed changes, the secant method finds the largest acceleration that keeps the limit. The
+//! steps of this search are 1/256 of the permitted acceleration. If the profile is too fast at its peak, its
+//! highest speed is lowered. Then the new profile is compared with every block. The anchor stays if no
+//! profile keeps all limits after [`ROUNDS`] rounds, or if the profile takes longer than the plan with the
+//! anchor.
 use super::block::Marks;
 use super::law::{Law, RISE, Span};
 use super::plan::spend;

@@ -1,4 +1,6 @@
-//! How many blocks the ring may release while the following blocks are unknown (feature `plc`).
+//! Whether the known path is long enough to release blocks while the path after it is not known yet (feature
+//! `plc`). The question arises at the end of a real-time loop, before the PLC's decision whether the loop
+//! repeats.
 use super::block::{Block, Marks};
 use super::law::length_mm;
 use super::ring::Ring;

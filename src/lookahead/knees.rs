@@ -1,21 +1,20 @@
-//! Limits the speed where the motion passes several knees (corners without a curve) of one axis in one tick.
+//! Limits the speed where an axis has several knees (corners without a curve) within one tick. The slope STEP
+//! has its own rule ([`Dynamics::transition`]).
 //!
-//! A knee is a step of speed. A second difference of set points shows this step with a weight that falls from
-//! 1 to 0 within a tick on either side. So steps that are a tick apart or more never show more than the
-//! largest of them. Closer steps add up if they have the same sign. Steps of opposite sign show less than
-//! each of them.
+//! At a knee, the speed of an axis has a step. The acceleration of an axis is the second difference of its
+//! set points. A step of speed appears in two second differences. Its weight in a second difference depends
+//! on the time to the middle set point: 1 at this set point, 0 from one tick on. So two steps that are at
+//! least a tick apart never show more than the larger step. Two closer steps of the same sign add up. Two
+//! closer steps of opposite sign show at most the larger step.
 //!
-//! Two knees are that close if the block between them takes less than a tick. The speed at a knee does not
-//! tell this: a block with low speeds at its ends may be fast between them, if the jerk of its axes is high.
-//! In this file, such a block is *short*. The planner adds up the steps of all knees with short blocks
-//! between them, per axis and sign. While the sum is within the limit of one knee of the axis, nothing
-//! changes. The first short block that would exceed the limit gets a speed of at most its length per tick.
-//! This block then takes a tick, and a new sum begins after it.
+//! In this file, a block between two knees is *short* if the motion may pass it in less than a tick. The
+//! speeds at its ends do not decide this, because the motion may be fast between two slow ends. For
+//! consecutive knees with short blocks between them, the planner adds up the steps of each axis, positive and
+//! negative steps separately. If a sum exceeds the axis's limit for one knee, the speed of the last short
+//! block is limited to its length per tick. The block then takes a tick, and a new sum begins after it.
 //!
-//! If the motion enters a short block faster than this speed, the block cannot take a tick any more. Then the
-//! step at the knee after it gets only the rest of the limit, so the speed at this knee is lower.
-//!
-//! STEP has its own rule ([`Dynamics::transition`]).
+//! A block cannot take a tick if the motion enters the block faster than this speed, or with acceleration.
+//! Then the speed at the knee after the block is lowered, until the sum is within the limit.
 use super::append::Last;
 use super::block::{Block, Marks};
 use crate::dynamics::Dynamics;

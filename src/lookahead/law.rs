@@ -1,4 +1,5 @@
-//! Spans of blocks, and the speed profile of a span: from one speed up to a peak and down to another speed.
+//! A span (consecutive blocks with one speed profile) in the look-ahead, and its speed profile. The speed
+//! rises from the start speed to a peak and falls to the end speed.
 use super::block::{Block, Marks};
 use super::planned::settled;
 use crate::dynamics::Share;

@@ -1,29 +1,39 @@
-//! The look-ahead: a ring of blocks, and the speed at each transition between two blocks.
+//! The look-ahead: a ring of blocks, and the planned speed at each transition between two blocks. The plan
+//! always ends in a stop at the end of the ring.
 //!
-//! Two rules give the speeds. Both rules use profiles with zero acceleration at the ends of a block:
+//! A planned speed fulfils two rules:
 //!
-//! - Backward, from a stop at the end of the ring: from its start speed, a block can brake to its end speed
-//!   within its length. So the plan always stops inside the ring.
-//! - Forward, when the ring releases a block: from its start speed, the block can reach its end speed within
-//!   its length.
+//! - Backward rule: the motion can brake from the start speed of a block to its end speed, within the length
+//!   of the block. The backward pass computes these speeds from the end of the ring to its front.
+//! - Forward rule: the motion can speed up from the start speed of a block to its end speed, within the
+//!   length of the block. This rule may lower the end speed.
 //!
-//! A higher end speed may lower the start speed that the first rule permits. The earlier planned start speed then
-//! stays, and the end speed is lowered when the ring releases the block.
+//! In both rules, acceleration is zero at both ends of the block. With limited jerk, a higher end speed may
+//! therefore need more length, and permit only a lower start speed. The planner then keeps the start speed of
+//! the earlier plan, and the forward rule lowers the end speed.
 //!
-//! With HSC, acceleration may pass a transition between two blocks, and need not be zero there. With TRAPEZ
-//! and SIN2, acceleration may pass in two cases. In the first case, the transition is tangential and both
-//! blocks have the same limits, as in a circle of several arcs. In the second case, both blocks are elements
-//! of one curve. The blocks on both sides then belong to one *span*: one speed profile covers them.
-//! Transitions between spans are *anchors*: acceleration is zero there. `span` decides which transitions are
-//! anchors, and `ease` removes some of them.
+//! A *span* is a run of blocks with one speed profile. Within a span, acceleration need not be zero at the
+//! transitions, and both rules apply to the span instead of the block. A transition between two spans is an
+//! *anchor*: acceleration is zero there (with STEP, it may step there). Which blocks a span may contain
+//! depends on the slope:
 //!
-//! The backward pass runs when the ring is full, a few blocks per call. The pass ends early at the first
-//! transition whose speed stays that of the plan before. Then the ring releases a quarter of its blocks.
+//! | slope | blocks of a span |
+//! |---|---|
+//! | HSC | blocks with any limits; `span` finds the transitions that must be anchors, `ease` removes some of them |
+//! | TRAPEZ, SIN2 | blocks with equal limits and tangential transitions, as in a circle of several arcs; elements of one curve |
+//! | STEP | one block, because a longer span saves no time without ramps of acceleration |
+//!
+//! The backward pass usually begins when the ring is full, and covers a few blocks per call. Earlier
+//! transitions keep their speeds if the pass reaches a transition with the same speed as in the plan before.
+//! The pass ends there. For spans of several blocks, a forward pass follows, and every block is compared with
+//! the profile. When the plan is complete, the ring releases the spans that begin in its first quarter.
 //!
 //! | file | what it decides |
 //! |---|---|
 //! | `append` | the limits of a new block and of the transition before it |
-//! | `knees`, `brief`, `worth` | speeds where several knees, or whole blocks, fall into one tick; whether the motion stops at a corner |
+//! | `knees` | speeds where an axis has several corners without a curve within one tick |
+//! | `brief` | speeds of very short blocks, of which the motion passes many per tick |
+//! | `worth` | whether the motion passes a corner without a curve or stops there |
 //! | `plan` | which pass runs, and how much of it in a call |
 //! | `span`, `ease`, `valley` | which transitions are anchors; which anchors are removed; which anchors move into a slow block |
 //! | `run_out` | the end of an arc while it is unknown whether the circle continues |

@@ -1,40 +1,47 @@
-//! The effect of override (P-CHAN-00066) and reduced speed (P-AXIS-00214) on the speed of a block.
+//! The speed of blocks and spans under the override (0…200 %) and under reduced speed (P-AXIS-00214).
 //!
-//! | P-CHAN-00066 | speed |
+//! P-CHAN-00066 selects on which speed the override acts:
+//!
+//! | P-CHAN-00066 | speed of a block |
 //! |---|---|
-//! | 0 | min(v_prog, v_max) · override |
+//! | 0 | min(v_prog, v_max) · override, at most v_max |
 //! | 1 | min(v_prog · override, v_max) |
 //! | 2 | as 1 while the speed is reduced, as 0 otherwise |
 //!
-//! v_prog is the programmed feed. v_max is the limit of the machine on the block; no speed exceeds v_max.
-//! Reduced speed limits min(v_prog, v_max) in mode 0, and v_max in mode 1. The limit is the speed at which
-//! every axis keeps its P-AXIS-00214. In rapid motion, v_prog is v_max.
+//! v_prog is the programmed feed; in rapid motion, v_prog is v_max. v_max is the limit of the machine on the
+//! block. While the speed is reduced, v_red is a further limit: the highest speed at which every axis keeps
+//! its P-AXIS-00214. In mode 0, an override below 100 % also lowers v_red.
 //!
-//! The ring is planned for a *level*, the planned override. When a plan begins, the level follows the
-//! override. In mode 0, the level is at least 100 %. In mode 1, and in mode 2 while the speed is reduced, the
-//! override acts on the programmed feed only. Then the level is at least 25 %. If the override falls below
-//! the level, the profile of a span applies it. So a falling override acts at once, and every planned speed
-//! stays possible. The level falls when the motion enters the ring at a speed that is low enough
-//! ([`super::Lookahead::set_level`]). The limits of an arc or a curve hold up to the level at which the
-//! element entered the ring, at least 100 %. After the level has risen, only new blocks are faster.
+//! **Planned override.** All blocks in the ring are planned for the same override, the *level*. The level
+//! follows the operator's override, but changes only between two plans of the ring. In mode 0, the level is
+//! at least 100 %. The same holds in mode 2 without reduced speed, and always with the slopes STEP, TRAPEZ
+//! and SIN2. Otherwise the level is at least 25 %.
 //!
-//! A span of HSC has blocks of several speeds, and a profile that keeps each limit in its place. With an
-//! override below the level, the span uses this profile at a part of its speed, s(t · part). All
-//! accelerations are then lower, and each block has its part of the speed. The start speed of the span must
-//! be the same part of its planned speed. So such spans also end at that part, with any P-CHAN-00066. After a
-//! hold or a change of override, the rest of a span uses a profile below the planned one
-//! ([`ReleasedSpan::go_on`]). While the speed is reduced, or if there is no such profile, the slowest block
-//! limits the speed.
+//! If the override falls below the level, the blocks keep their planned speeds. The profile of each span then
+//! applies the lower override, so the motion slows down at once. The level falls as soon as the last released
+//! span ends slowly enough for the first block of the ring at the new level
+//! ([`super::Lookahead::set_level`]). When the level rises, the planned speeds of the blocks in the ring may
+//! rise too. But the limits of an arc or a curve are computed once, when its block enters the ring. They are
+//! for the level of that time, at least for 100 %. So a level above this makes only new arcs and curves
+//! faster.
 //!
-//! Reduced speed limits the whole ring: no span is faster than the reduced speed of the slowest known block.
-//! So there is always time to brake to the speed of the next block.
+//! **Spans with several feeds.** With HSC, a span may contain blocks of different speeds, and its profile
+//! keeps the limit of each block. If the override is below the level, the span uses the same profile in slow
+//! motion: s(part · t), with part = override / level. Then the speed of each block is multiplied by `part`,
+//! and all accelerations are lower. The motion must enter the span at `part` times the planned start speed.
+//! So with HSC every span also ends at `part` times its planned end speed, for each value of P-CHAN-00066.
+//! After a feed hold or a change of override, the rest of the span gets a new profile, nowhere faster than
+//! the planned one ([`ReleasedSpan::go_on`]). If there is no such profile, or while the speed is reduced, the
+//! speed limit of the slowest block holds for the whole span.
 //!
-//! A *cap* is a speed limit for all spans, for any command. The planner sets a cap if a stop from a higher
-//! speed has no room in the memory of [`crate::queue::Keeper`]. A cap acts like a lower feed, and also limits
-//! rapid motion.
+//! **Reduced speed** applies to the whole ring: no span is faster than the lowest v_red of all known blocks.
+//! So there is always room to brake to the speed of the next block.
 //!
-//! An override alone makes no span longer than 2^26 ticks: a lower override has no further effect. Reduced
-//! speed has no such bound.
+//! **Cap.** The planner sets a speed limit for all spans, the *cap*, if the stop from a higher speed needs
+//! more memory than [`crate::queue::Keeper`] has. A cap also limits rapid motion.
+//!
+//! A very low override does not stretch a span to more than 2^26 ticks: lower values have no further effect.
+//! Reduced speed has no such bound.
 use super::ReleasedSpan;
 use crate::control::{Commands, FULL_OVERRIDE};
 use crate::dynamics::OverrideRange;

@@ -1,6 +1,5 @@
-//! The plan in progress: the current pass, the data of each pass, and the work of one call.
-//!
-//! All passes share one place in memory. So no data are copied between calls or between passes.
+//! The plan of the look-ahead in progress: which pass over the blocks runs, its data, and how much of it one
+//! call does. Only one pass runs at a time.
 use super::block::{Block, Marks};
 use super::ease::{Step, Trial};
 use super::law::{faster, length_mm};

@@ -1,8 +1,9 @@
 //! A planned speed in four bytes, for the memory of a block.
 //!
-//! The number has 27 significant bits, rounded down. It is exact for limits, which have 24 bits. All planned
-//! speeds of blocks are such numbers, so a stored speed equals the planned speed. The first block is the
-//! exception: it begins with the actual speed of the motion ([`super::ring::Ring`]).
+//! A planned speed has 27 significant bits, rounded down. Limits have 24 bits (`f32`), so they are stored
+//! exactly. The planner rounds a speed to this format before it uses the speed, so storing changes nothing.
+//! Only the start speed of the first block has all its bits: it is the actual speed of the motion
+//! ([`super::ring::Ring`]).
 use crate::quantity::Speed;
 
 /// A planned speed, or none. The order is that of the speeds; none is below all of them.

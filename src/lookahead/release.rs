@@ -1,5 +1,6 @@
-//! The span (run of blocks with one speed profile) that the ring releases at its front, and conditions for
-//! another profile of this span.
+//! Releases the first span of the ring (a run of blocks with one speed profile), with all data for its
+//! profile. When a command changes the speed, this file also tells whether another profile of the span keeps
+//! the limits of all its blocks.
 use super::block::{AnchorMarks, Block, Marks};
 use super::ease::Ease;
 use super::law;

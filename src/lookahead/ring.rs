@@ -1,4 +1,5 @@
-//! The ring of blocks: how blocks enter and leave, and the counts of blocks.
+//! The ring of blocks of the look-ahead: how blocks enter and leave, and counts of certain blocks and
+//! transitions.
 use super::append::Last;
 use super::block::{Block, Marks};
 use super::blocks::Blocks;

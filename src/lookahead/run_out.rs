@@ -1,11 +1,12 @@
-//! The end of an arc whose circle may continue in the next block.
+//! The end of an arc on a circle that has already turned twice, while it is unknown whether the next block
+//! continues the circle.
 //!
-//! When a circle has turned twice, each further arc on the circle enters the ring as two blocks. The first
-//! block is the steady part; the second one is the end with its own limits ([`crate::dynamics::Turns`]). If
-//! the next arc continues the circle, the planner joins the two blocks of the last arc. Then the next arc
-//! enters, again as two blocks. The old plan stays possible: the motion keeps the planned speed of the old
-//! end up to the new end. The new end is at least as long as the old one, and permits at least the same
-//! speed.
+//! Such an arc enters the ring as two blocks. The first block has the limits of an endless circle. The second
+//! block is the end of the arc, with lower limits ([`crate::dynamics::Turns`]), because the motion may have
+//! to brake there. If the next arc continues the circle, the planner joins both blocks into one, with the
+//! limits of the first block. The next arc again enters as two blocks. The old plan stays possible: the
+//! motion can keep the speed planned for the old end up to the new end. For this, the new end must be at
+//! least as long as the old one, and permit at least the same speed.
 use super::block::Marks;
 use super::ring::{Known, Ring};
 use crate::dynamics::{Dynamics, Share, Turns};

@@ -1,15 +1,24 @@
-//! Speeds at the anchors (places with zero acceleration), and the choice of anchors.
+//! Finds the speeds at the anchors (transitions where acceleration is zero), and decides which transitions
+//! are anchors.
 //!
-//! A span is first planned as if only its ends and its highest speed counted. The profile may then be too
-//! fast for a block inside. If the profile is too fast at an end of the slowest such block, that end becomes
-//! an anchor. If the profile is too fast only between both ends, both ends become anchors. Then all parts are
-//! planned again. So acceleration is zero only where a limit is reached, not at every end of a block. An
-//! anchor stays until its block leaves the ring, unless [`super::ease`] finds a faster profile without it.
+//! The path between two anchors is a span. The planner first makes a profile for the whole span, from its
+//! length, its end speeds and the speed of its fastest block. This profile may be too fast for slower blocks
+//! inside the span. For the slowest of them, new anchors limit the speed:
 //!
-//! Later blocks must not make a released plan impossible. A block may keep its limit only because the plan
-//! stops soon after it. Such a block becomes an anchor at once. The braking before the end of a span counts
-//! only if the speed at that end is final. If one span fills the ring, it is cut where its braking would
-//! begin, or after the first quarter.
+//! | the profile is too fast | new anchors |
+//! |---|---|
+//! | at the start or at the end of the block | at this end |
+//! | only between both ends | at both ends; or, with HSC and NO_OPT=0, none: the profile is limited to the speed of the block |
+//!
+//! The planner then makes new profiles for the parts. So acceleration is zero only where a limit is reached,
+//! and not at every end of a block. An anchor stays until its block leaves the ring, unless [`super::ease`]
+//! finds a faster profile without it.
+//!
+//! A released plan must stay possible when more blocks come. But a block may keep its limit only because the
+//! motion brakes for a stop soon after it. With more blocks, this stop moves away. So the planner relies on
+//! the braking at the end of a span only if the speed at that end is final. Otherwise the block gets its
+//! anchors at once. If one span fills the ring, it is divided where its braking would begin, or after the
+//! first quarter of the ring.
 use super::block::{Block, Marks};
 use super::ease::Trial;
 use super::law::{Law, RISE, Span};

@@ -1,10 +1,10 @@
-//! Whether the motion passes a corner without a curve, or stops there.
+//! Decides whether a stop at a corner without a curve takes less time than a slow passage.
 //!
-//! A step of speed at a corner without a curve (a knee) shows as jerk. So both blocks next to the corner
-//! reserve a part of their limits. At a sharp corner, the permitted speed is nearly zero. Then the longer
-//! ramps on both sides cost more time than the speed saves. So the planner compares two times of both blocks,
-//! each block from a stop at its other end. One time is for a stop in the corner with all limits, the other
-//! for a passage with the remaining limits.
+//! In a passage, the speed of the axes has a step at the corner (a knee). The step needs a part of the
+//! acceleration and jerk limits, so only the rest is left for the profiles of both blocks. Their ramps are
+//! then longer. At a sharp corner, the permitted speed is nearly zero, and the longer ramps cost more time
+//! than the passage saves. For the comparison, each of the two blocks is planned alone, from standstill at
+//! its other end. The stop has all of the limits, the passage only the rest.
 use crate::dynamics::Share;
 use crate::math::float::{max, min, to_i64};
 use crate::quantity::{speed_bits, speed_f32};

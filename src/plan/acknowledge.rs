@@ -1,11 +1,12 @@
-//! Waits at gates (synchronisation points), and continues after acknowledgements.
+//! Waits for acknowledgements at synchronisation points, which the code calls gates, and continues after
+//! them.
 //!
-//! The motion is planned to stop before a gate, and no block after the gate is released. The last
-//! acknowledgement may come before the motion begins to brake for the gate. The planner then makes the
-//! profile before the gate again, with the end speed that the path after the gate permits. The new profile
-//! must agree with the old one up to a tick shortly ahead, at which the interrupt changes to the new profile
-//! ([`clock`]). Both agree there if they differ only at the end. Otherwise the old profile stays: the motion
-//! stops at the gate, and continues from there.
+//! The motion is planned to stop at a gate, and no block after the gate is released. If the last
+//! acknowledgement comes before the motion begins to brake, the axes need not stop. The planner then makes
+//! the last profile before the gate again, with the end speed that the path after the gate permits. The
+//! interrupt changes to the new profile a few ticks ahead ([`clock`]). This is possible only if both profiles
+//! give the same motion at that tick, that is, if they differ only later. Otherwise the old profile stays.
+//! The motion then stops at the gate, and continues from there.
 use super::hold::REACTION;
 use super::{PIECES, Phase, Planning, RingStage, Slot, Speed, Work, clock};
 use crate::queue::PHASES;

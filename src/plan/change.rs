@@ -1,14 +1,19 @@
-//! Changes the profile of spans in the queue, or starts the motion from a stop. New pieces become valid only
-//! when the stop after them is complete.
+//! Replaces the profile of spans whose pieces are already in the queue, or starts the motion after a
+//! standstill.
 //!
-//! The planner writes new pieces after a barrier (end marker), which the interrupt does not pass. The stop
-//! after the new pieces goes into the reserve, next to the stop in force. This may take several calls. Only
-//! then does the planner publish the cut (the tick of the change), and the reserve changes with it. So each
-//! tick has a valid stop, even if the planner is interrupted. If the interrupt has already passed the instant
-//! of the change, nothing changes. The planner then tries a later instant.
+//! A change is safe at every tick, even if the planner is interrupted in the middle:
 //!
-//! The stop before the new pieces may have a tick in the reserve. This tick is then the barrier of the new
-//! pieces. If the planner gets no time, the motion stops there.
+//! 1. The planner writes the new pieces behind an end marker (barrier), which the interrupt does not pass.
+//! 2. The planner writes the stop after the new pieces into the reserve, next to the stop in force. This may
+//!    take several calls.
+//! 3. The planner publishes the cut: the tick at which the interrupt goes to the new pieces. In the same
+//!    tick, the new stop replaces the old one.
+//!
+//! If the interrupt has already passed that tick, the planner withdraws the new pieces. The next try is for a
+//! tick that is twice as many ticks ahead, at most [`FURTHEST`].
+//!
+//! At a start after a standstill, the last tick of the stop may be in the reserve instead of the queue. That
+//! tick then serves as the barrier. If the planner gets no time, the axes stand still after that tick.
 use super::committed::CommittedSpan;
 use super::descent::Descent;
 use super::hold::{Mode, REACTION};

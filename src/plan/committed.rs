@@ -1,4 +1,5 @@
-//! Committed spans: released spans that the interrupt has not passed. Their profile may still change.
+//! The committed spans: spans that the look-ahead has released and that the interrupt has not passed. A
+//! command may still change their profiles.
 use crate::lookahead::{GoingOn, ReleasedSpan};
 use crate::machine::functions;
 use crate::math::float::{min, to_f32};

@@ -1,20 +1,23 @@
-//! The stop from the current motion: one braking profile through as many spans as needed.
+//! Finds a stop, or a braking, within the planned limits of the spans. One braking profile passes as many
+//! spans as needed.
 //!
-//! In a plan, the acceleration is zero at the ends of spans. In a stop, a deceleration may pass such an end
-//! if the path turns little there (`SpanMarks::passing`). The braking uses the least deceleration and jerk of
-//! all spans, from the first one to the one where it ends. At every transition, the motion is at most as fast
-//! as planned, and it brakes. So the following spans keep their speed limits. If the motion would be too fast
-//! at a transition, the braking ends there, with zero acceleration and at most at the planned speed. The next
-//! profile continues from there.
+//! In the plan, acceleration is zero at both ends of a span. A stop may pass such an end with a deceleration
+//! if the path turns little there (`SpanMarks::passing`). The braking uses the lowest deceleration and the
+//! lowest jerks of all spans that it passes. At every transition, the motion is at most as fast as planned,
+//! and it brakes. So the speed limits of the following spans hold. If the motion would be too fast at a
+//! transition, the braking ends there, with zero acceleration and at most the planned speed. The next profile
+//! continues from there.
 //!
-//! STEP may change its deceleration anywhere, so each span with another deceleration has its own profile. The
-//! part of the deceleration that a curve needs grows with the square of the speed. So more deceleration is
-//! left as the motion slows down ([`Fall`]). Inside such a curve, the stop has several profiles of two
-//! stages.
+//! Three kinds of spans have rules of their own:
 //!
-//! The motion passes a span of several blocks (HSC) in one of two ways. Either the motion is slower than the
-//! span's slowest block, or it brakes at least as hard as the span's own profile. A curve whose limits trade
-//! speed for acceleration is entered so slowly that the deceleration may continue inside the curve.
+//! - STEP: the deceleration may change at any tick, so spans with different decelerations get separate
+//!   profiles. In a curve, a part of the deceleration is needed for the curve itself. This part falls with
+//!   the square of the speed, so more deceleration is available as the motion slows down ([`Fall`]). A stop
+//!   inside such a curve has several profiles.
+//! - A span of several blocks (HSC): the motion is slower than the slowest block, or it brakes at least as
+//!   hard as the planned profile.
+//! - A curve that permits more acceleration at a lower speed: the motion enters so slowly that the
+//!   deceleration may continue inside the curve.
 use super::hold::NOTHING;
 use super::search::{PLAN_COSTS, SCAN_COSTS, SPAN_COSTS};
 use super::{Brake, Instant, Planning, Profile, RingStage, Speed, clock};

@@ -1,8 +1,9 @@
-//! Checks a program without a plan. The check takes motion blocks as [`Planning::take`] does, and returns the
-//! refusals.
+//! Checks a program without a plan (feature `examine`). The check takes motion blocks as [`Planning::take`]
+//! does, and returns the refusals.
 //!
-//! Blocks go through all stages that may refuse them: path, feed, software limits, smoothing. Before the
-//! look-ahead, each element is dropped. The queue stays empty, and a stop or a dwell takes no time.
+//! Blocks go through all stages that may refuse them: path, feed, software limits, smoothing. Elements are
+//! dropped before they would enter the look-ahead. The queue stays empty, and a stop or a dwell takes no
+//! time.
 use super::{Planning, Work};
 use crate::smooth::Smoother;
 

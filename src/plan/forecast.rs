@@ -1,9 +1,10 @@
-//! Answers of the planner to a PLC about the coming motion. A PLC asks for the state at a later tick, the
-//! next block that is not rapid motion, or the point where a hold would stop the axes.
+//! Answers the questions of a PLC about the coming motion (feature `plc`). A PLC asks for the state at a
+//! later tick, for the next block at feed, or for the point where a feed hold would stop the axes.
 //!
-//! The pieces in the queue give the state and the next block. For the stop by a hold, the planner makes the
-//! profiles of this hold on a copy of its spans ([`Inquiry`]). The interrupt gets none of them. With
-//! FCT_CALC_POS_V_0, a hold keeps the stop with which it begins, so the axes stop at the place of the answer.
+//! The first two answers are read from the pieces in the queue. For the third answer, the planner makes the
+//! profiles of a feed hold on a copy of its spans ([`Inquiry`]). These profiles do not enter the queue. With
+//! FCT_CALC_POS_V_0 in the machine data (P-CHAN-00650), a feed hold keeps its first stop, and does not search
+//! for a shorter one. So the axes stop at the point of the answer.
 use super::committed::CommittedSpans;
 use super::hold::Mode;
 use super::search::{Later, Search};

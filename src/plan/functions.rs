@@ -1,12 +1,13 @@
-//! Functions (M, H, S and T) from the program to their point of the path, and the gates (synchronisation
-//! points) at which the motion waits.
+//! Places the functions of the program (M, H, S, T) on the path, and finds the synchronisation points, which
+//! the code calls gates.
 //!
-//! A function belongs between two motion blocks. The number of motion blocks before the function is its
-//! place. Contour mode decides which element of the path begins at this place. When this element enters the
-//! look-ahead, the point of the function is known, and the function enters the queue. The motion may then
-//! reach the point without a call of the planner. The element may become a *gate*. The planner does not
-//! release a gate: the motion is planned to stop before the gate, until all demanded acknowledgements have
-//! come.
+//! In the program, a function is between two motion blocks. Its place is the number of motion blocks before
+//! it. Smoothing decides which element of the path begins at this place. When this element enters the
+//! look-ahead, its start is the point of the function, and the function enters the queue. From then on, the
+//! interrupt outputs the function without the planner.
+//!
+//! If a function needs an acknowledgement, an element becomes a gate. The planner does not release a gate
+//! until all acknowledgements have come. Until then, the motion is planned to stop before the gate.
 use super::Function;
 use crate::control::{Control, OPEN};
 use crate::machine::Synch;

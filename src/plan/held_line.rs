@@ -1,11 +1,17 @@
-//! The held line: consecutive blocks in a straight line with the same feed become one line ([`Stretch`]).
+//! The held line: consecutive blocks on a straight line with the same feed become one long line
+//! ([`Stretch`]). So a short ring of blocks covers a long path.
 //!
-//! No information is lost. A command between two blocks (an exact stop, a function, other dynamics, contour
-//! mode) comes before the second block and releases the held line. A line grows until two conditions hold.
-//! First, the line is twice as long as the distances to reach its speed and to brake again. Second, the
-//! tolerance of its end point changes the direction of the line too little to matter. So the planner releases
-//! a long straight line while its blocks are still being read, and two such lines fill the ring
-//! ([`crate::lookahead::Ring::is_full`]).
+//! A command between two blocks (an exact stop, a function, other dynamics, contour mode) releases the held
+//! line before the next block comes. So a command keeps its point of the path. The line stops growing as soon
+//! as both conditions hold:
+//!
+//! - The line is at least twice as long as the path for reaching its speed, and as the path for braking from
+//!   its speed.
+//! - The line lasts so long that the rounding of its end point causes no step of speed above the limits
+//!   ([`crate::dynamics::Dynamics::smoothing`]).
+//!
+//! Two such lines suffice for a full plan, and count as a full ring ([`crate::lookahead::Ring::is_full`]). So
+//! the planner can release the first part of a long straight while later blocks are still being read.
 use super::intake::Pass;
 use super::{Planning, to_f32};
 use crate::dynamics::{OverrideRange, Permitted, Share};

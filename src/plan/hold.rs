@@ -1,17 +1,16 @@
-//! The operator's commands in the planner: feed hold, resume, abort.
+//! Carries out the operator's commands feed hold, resume and abort.
 //!
-//! When a stop is demanded, up to [`crate::queue::PHASES`] pieces of a faster motion are in the queue. The
-//! planner finds the span and the motion a few ticks ahead. The planner plans a stop from there ([`Brake`]),
-//! and the interrupt changes to the stop at that tick ([`clock`]). If the span is too short for the stop, the
-//! spans after it are planned in the same way, each with its own limits. The last known span is always long
-//! enough. A span that already brakes as hard as it can keeps its profile, and the change begins with the
-//! next span.
+//! At a feed hold, the queue holds up to [`crate::queue::PHASES`] pieces of the faster motion. The planner
+//! computes the motion a few ticks ahead ([`REACTION`], or more after a late try), and plans a stop from
+//! there ([`Brake`](crate::slope::brake::Brake)). The interrupt changes to the stop at that tick ([`clock`]).
+//! If the span is too short for the stop, the following spans brake too, each within its own limits. The plan
+//! ends in a stop, so the known path is always long enough. If a span already brakes as hard as possible, its
+//! profile stays, and the stop begins with the next span.
 //!
-//! A resume takes effect at standstill, after the interrupt has reached the stop, even if the command comes
-//! earlier. The rest of a span then gets another profile (`super::law`).
+//! A resume takes effect when the axes stand still, even if the command comes earlier. The rest of the span
+//! then gets a new profile (`super::law`).
 //!
-//! A dwell continues during a feed hold, and the motion after the dwell waits. The dwell begins only after
-//! the motion before it is complete. An abort ends a dwell.
+//! A feed hold does not interrupt a dwell, but the motion after the dwell waits. An abort ends a dwell.
 use super::clock;
 use super::committed::CommittedSpan;
 use super::descent::{Descent, Passed};

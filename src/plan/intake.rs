@@ -1,5 +1,5 @@
-//! Takes motion blocks of the program: makes the path and finds the limits. The result goes to contour mode,
-//! to the held line, or to the look-ahead.
+//! Takes the motion blocks of the program, makes their geometry and finds their limits. The blocks then go to
+//! the smoothing stage, to the held line (`held_line`), or into the look-ahead.
 use super::Planning;
 use super::functions::Functions;
 use super::held_line::HeldLine;

@@ -1,21 +1,20 @@
-//! Handles late program text, and functions without room.
+//! Handles three cases in which the next block does not enter the look-ahead in time. In each case, the
+//! planner releases the blocks that wait in the look-ahead, a quarter of the ring at a time. The plan of
+//! these blocks ends in a stop, like every plan. So the motion slows down as the known path gets shorter, and
+//! speeds up again when blocks come. If no block comes, the motion stops at the end of the known path.
 //!
-//! Blocks wait in the look-ahead for later blocks. When the queue runs low, the planner releases the waiting
-//! blocks, a quarter of the ring at a time. The plan of these blocks ends in a stop, like every plan. So the
-//! motion slows down as the known path gets shorter, and speeds up when blocks come. If no block comes, the
-//! motion stops at the end of the last block.
+//! | case | the planner releases blocks when |
+//! |---|---|
+//! | the program text is late | the queue holds at most [`LOW`] ticks of motion |
+//! | the next function (M, H, S, T) has no room | the same; the interrupt then reaches earlier functions, and their places become free |
+//! | the planner gets too little processor time | a block is being taken, and in two ticks the queue was low: it ends at speed, with at most [`FEW`] pieces and [`FEW`] curves |
 //!
-//! If the next function has no room, the planner releases the waiting blocks in the same way, because the interrupt
-//! has to reach the functions before. The planner stops the motion only if no block is left to be released.
+//! A planner that keeps up fills the queue again before each tick, so the third case does not occur. If the
+//! planner is not called at all, the interrupt uses the reserve (`reserve`).
 //!
-//! A planner that does not keep up also releases blocks in this way, before it has taken the next block. The
-//! condition is: while blocks are being taken, the queue is low and ends at speed. A planner that keeps up
-//! never meets this condition, because it fills the queue before each tick. If the planner is not called at
-//! all, the interrupt uses the reserve (`reserve.rs`).
-//!
-//! If contour mode holds a corner back, the corner waits for its second block, because the path must not
-//! depend on the arrival time of text. If HSC holds a run of blocks back, the run ends at the end of its last
-//! block ([`Smoother::gives_way`]).
+//! At the end of the known path, contour mode may still keep a block, whose corner needs the next block. The
+//! motion then stops before this corner, because the path must not depend on the time at which text arrives.
+//! A run of short blocks (HSC) ends at the end of its last known block ([`Smoother::gives_way`]).
 use super::{KEPT_FREE, Planning, Speed, Work, clock};
 use crate::queue::{MAX_CURVES_PER_TICK, PHASES, SEGMENTS};
 use crate::smooth::Smoother;

@@ -1,15 +1,15 @@
-//! The profile of the next span that has none: the planned profile, or a replacement.
+//! Makes the speed profile of the next span that has none.
 //!
-//! A profile is planned for the start speed of its span, the whole span, and the override of that time. After
-//! a stop, a change of override, or a slower span before, one of these profiles replaces the planned one:
+//! The look-ahead plans a profile for the whole span, for its start speed, and for one override. After a
+//! stop, a change of override or a slower span, these conditions no longer hold. The planned profile is then
+//! replaced by one of the following:
 //!
-//! - For several blocks: the rest of the planned profile, or a profile that is at most as fast at each place,
-//!   slowed down by the override. Any other profile would have to be compared with every block
-//!   ([`CommittedSpan::go_on`]).
-//! - Otherwise: a profile from the current speed, within the current speed limit of the span. For several
-//!   blocks, this limit is the speed of the slowest block, or the constant speed of the planned profile
+//! - For a span of several blocks: the planned profile or its rest, slowed down by the override. Or another
+//!   profile that is nowhere faster ([`CommittedSpan::go_on`]). So no block has to be compared again.
+//! - A profile from the current speed, up to a speed limit that every block permits. For several blocks, this
+//!   limit is the speed of the slowest block, or the constant speed of the planned profile
 //!   ([`CommittedSpan::look`]).
-//! - Or a braking to this limit.
+//! - A braking to this speed limit, if the motion is faster.
 use super::change::Pending;
 use super::committed::CommittedSpan;
 use super::hold::NOTHING;

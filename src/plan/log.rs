@@ -1,4 +1,5 @@
-//! The log of the path ahead for a PLC: each curve that enters the look-ahead, and the commands between them.
+//! Writes the log of the path ahead for a PLC (feature `plc`): each curve that enters the look-ahead, and the
+//! log's commands between them.
 use super::Planning;
 use super::intake::{Entrance, Pass};
 use crate::contour_log::{Crowded, Passed, Recorder};

@@ -1,17 +1,19 @@
-//! The planner without the NC language: from motion blocks to the queue. Path, look-ahead and speed profiles
-//! follow each other, with bounded work per call.
+//! The planner without the NC language: from motion blocks to pieces in the queue. Each call does a bounded
+//! amount of work.
 //!
 //! | file | what it decides |
 //! |---|---|
 //! | `intake`, `held_line` | how a motion block enters; which straight blocks become one |
-//! | `functions`, `acknowledge` | where functions are output; how the motion waits at a gate and resumes |
+//! | `functions`, `acknowledge` | where functions are output; how the motion waits at a gate (synchronisation point) and continues |
 //! | `committed` | which spans have a profile that may still change |
+//! | `law` | which profile a span gets if the planned one does not fit |
 //! | `hold`, `descent`, `short_stop` | how the motion stops, through which spans, and whether it can stop sooner |
 //! | `search` | how much of the search for a stop one call does |
 //! | `pace` | what override and reduced speed change in the queue |
 //! | `change` | when new pieces become valid for the interrupt |
 //! | `reserve`, `slower` | how the motion stops without the planner; what happens if this stop has no room |
 //! | `late` | what happens when text or room for functions is missing |
+//! | `turning` | how far consecutive arcs turn about one centre |
 //! | `forecast` | answers to a PLC about the coming motion (feature `plc`) |
 //! | `examine` | how a program is checked without a plan (feature `examine`) |
 //! | `log` | the log of the path ahead for a PLC (feature `plc`) |

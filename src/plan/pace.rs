@@ -1,10 +1,11 @@
-//! Changes of override and reduced speed in profiles that are already in the queue.
+//! Applies a change of override or of reduced speed to profiles that are already in the queue.
 //!
-//! The planner finds the motion a few ticks ahead, as for a feed hold, and the interrupt changes to a new
-//! profile there. With the new profile, the motion brakes to the new speed, or its acceleration ends. The
-//! rest of the span then gets its own profile with the new speed. In two cases, the change begins with the
-//! next span: too little of the current span is left, or the motion already brakes in it. A braking span
-//! changes too if it would be far too slow. Spans without a profile get the right one later.
+//! The planner computes the motion a few ticks ahead, as for a feed hold, and the interrupt changes to a new
+//! profile there. In the new profile, the motion brakes to the new speed; if the override rises, only its
+//! acceleration ends. The rest of the span then gets another profile for the new speed. The change begins
+//! only with the next span if the current one is nearly over, or already brakes. A span that already brakes
+//! changes only if its old speed limit is far below the new one. Spans without a profile get theirs later,
+//! for the new speed.
 use super::committed::CommittedSpan;
 use super::descent::Descent;
 use super::{Brake, Commands, Planning, Speed, Work, clock};

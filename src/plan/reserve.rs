@@ -1,27 +1,29 @@
-//! The reserve: a prepared stop for the case that the planner gets no time.
+//! The reserve: a prepared stop that the interrupt executes if the planner gets no processor time.
 //!
-//! The queue may end at speed. The planner keeps a stop after the end of the queue, and the interrupt
-//! continues with this stop ([`clock`]). As long as the planner is called, it replaces the reserve before the
-//! interrupt gets there, and the reserve is never used. Otherwise the motion brakes to a stop, inside the
-//! limits of every block. At its next call, the planner withdraws the rest of the queue and continues from
-//! the stop.
+//! The motion in the queue may end at speed. So the planner always keeps a stop that continues from the end
+//! of the queue. When the queue is empty, the interrupt goes on with this stop ([`clock`]), and the axes
+//! brake within the limits of every block. A planner that is called often enough replaces the reserve before
+//! the interrupt reaches it. So the reserve is then never used.
 //!
-//! The reserve is made like a feed hold (`hold`). It begins with the motion at the end of the queue. It
-//! passes the rest of that span and the planned spans of the look-ahead, until one span is long enough for
-//! the stop. The plan of the ring ends in a stop, so the reserve always ends. While the planner makes the
-//! reserve, it sets its current work aside; it continues this work afterwards.
+//! **Making a reserve.** The stop begins with the motion at the end of the queue, and is made like a feed
+//! hold (`hold`). The stop continues through the planned spans of the look-ahead, until one span is long
+//! enough for the rest of the stop. The plan of the ring ends in a stop, so there is always such a span.
+//! Meanwhile, the planner sets its current work aside. A new reserve is made when the interrupt comes near
+//! the old one. This is about once per full queue.
 //!
-//! If the queue ends in a planned stop, its last tick comes before the stop. One more tick shows the stop; it
-//! belongs to the next motion. Until that motion is in the queue, the reserve is only this tick.
+//! **After a planned stop.** If the queue ends in a planned stop, its last tick shows the axes just before
+//! the stop. One more tick has to show the stop itself. As long as no further motion is in the queue, the
+//! reserve consists of this tick alone.
 //!
-//! A new reserve is made when the interrupt comes near the old one: once per full queue, for blocks of any
-//! length.
+//! **After the interrupt has used the reserve**, the planner waits until the stop is complete. Then the
+//! planner withdraws the rest of the queue, plans from the standstill, and reports [`Work::Late`].
 //!
-//! A stop without room, or with an unknown end, is not used. The old reserve stays, and the motion gets
-//! slower ([`super::slower`]).
+//! **No room.** A stop may need more pieces than there is room for. Or its end may lie beyond the curves that
+//! the interrupt knows. Such a stop is not used: the old reserve stays, and the motion gets slower
+//! ([`super::slower`]).
 //!
-//! New pieces that a command puts in place of others, and the first pieces after a standstill, become valid
-//! when the next reserve is complete ([`super::change`]).
+//! New pieces that replace others, and the first pieces after a standstill, become valid together with their
+//! own reserve ([`super::change`]).
 use super::change::Pending;
 use super::committed::CommittedSpan;
 use super::hold::{Mode, NOTHING};

@@ -1,12 +1,12 @@
-//! The seam between two passes of a real-time loop. There the planner waits before it decides whether another
-//! pass follows.
+//! Decides as late as possible whether a real-time loop repeats (feature `plc`). At the end of each pass of
+//! the loop (the seam), the planner must know whether another pass follows. The PLC says so in the variable
+//! V.RTG.LOOP.ENABLED.
 //!
-//! Blocks wait in the look-ahead. The planner releases only blocks that a longer path would not make faster.
-//! So after the released blocks, there is always enough path to stop. The decision depends on
-//! V.RTG.LOOP.ENABLED. The planner decides when the path is no longer long enough and the queue runs low.
-//!
-//! The decision comes [`SOON`] ticks and about two braking distances before the seam, in whole blocks of the
-//! look-ahead. A longer line or arc is divided into two blocks.
+//! While the decision is open, the planner releases only blocks that a longer path would not make faster.
+//! After these blocks, the known path is always long enough for a stop. The planner decides when the
+//! remaining path is no longer long enough and the queue holds at most [`SOON`] ticks of motion. This is
+//! about two braking distances and [`SOON`] ticks before the seam, rounded up to whole blocks of the
+//! look-ahead. To keep this distance short, a long line or arc is divided into two blocks.
 use super::intake::{Entrance, Pass};
 use super::{Planning, clock};
 use crate::contour_log::{Crowded, Turn};

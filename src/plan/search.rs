@@ -1,21 +1,27 @@
-//! The search for a stop, in bounded parts per call of the planner.
+//! Searches for a stop, in bounded steps, because a complete search would take too long for one call of the
+//! planner.
 //!
-//! A search has stages, in this order, until one finds a profile:
+//! A search has stages. Each stage tries a kind of stop, and the search ends with the first stop that is
+//! found:
 //!
-//! | stage | what the stage tries | one step |
-//! |---|---|---|
-//! | `Begin`, `Short` | limits of the axes along the stop itself (`short_stop`) | a round |
-//! | `Along` | limits of the spans, down to a stop (`descent`) | all of it |
-//! | `Begin`, `Short` with `surely` | the first stage again, if the limits of the spans permit a stop, but not by one profile | a round |
-//! | `Down` | braking to the end of fewer and fewer spans | one profile |
+//! | order | stage | what the stage tries | one step |
+//! |---|---|---|---|
+//! | 1 | `Begin`, `Short` | a short stop, with the limits that the axes permit along the stop itself (`short_stop`) | one profile, compared with these limits |
+//! | 2 | `Along` | one profile down to a stop, within the planned limits of the spans (`descent`) | the whole stage |
+//! | 3 | `Begin`, `Short` with `surely` | stage 1 again, now also for a stop that is no shorter than the planned limits permit | as 1 |
+//! | 4 | `Down` | a braking to the end of fewer and fewer spans; other profiles continue it | one profile |
 //!
-//! Each step adds its cost. A call that has spent [`ENOUGH`] ends with [`Later`], and the next call
-//! continues. Between two calls, only a few numbers are stored. The last step makes the profile and checks it
-//! against the current spans.
+//! Stage 1 gives up early if the planned limits seem to permit an equally short stop. Stage 3 runs only after
+//! this, if stage 2 has found room for a stop, but no single profile. The search for a reserve begins with
+//! stage 2.
 //!
-//! A search is for one span and one motion. For another span or motion, the search begins anew, so a change
-//! of plan need not end it. If the search is for a motion at a later instant, this instant is stored
-//! ([`Search::pause`]). If the interrupt has passed that instant, the next search is for a later one.
+//! Each step adds its cost to a sum. When the sum has reached [`ENOUGH`], the call returns [`Later`], and the
+//! next call goes on with the search. Only a few numbers are stored between two calls. So the last step makes
+//! the profile and checks it against the spans as they are then.
+//!
+//! A search is valid for one span and one motion in it. If the next call asks for another span or motion, the
+//! search begins anew by itself. The instant of that motion can be stored ([`Search::pause`]). If the
+//! interrupt has passed this instant, the next search is for a later one.
 use super::descent::{Along, Descent};
 use super::short_stop::{No, Short};
 use super::{Instant, Planning, clock};

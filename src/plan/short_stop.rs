@@ -1,13 +1,17 @@
-//! The shortest stop that the path ahead permits.
+//! The shortest stop that the axes permit along the path ahead.
 //!
-//! The limits of a span are those of its highest speed, and of the place where it bends most. A stop uses
-//! only a part of the span, at falling speed, so the axes may permit more deceleration. The limits of the
-//! axes depend on the speed at each place of the path, and this speed depends on the deceleration. So the
-//! profile is found in rounds. The first round tries the limits of the axes at the start of the stop. Each
-//! further round uses lower limits, until the axes permit the profile everywhere. A round checks a few speeds
-//! of the profile, each at the place where the profile has this speed.
+//! The planned limits of a span are for its highest speed, and for the place with the strongest curvature. A
+//! stop uses only a part of the span, at a falling speed. So the axes may permit more deceleration than these
+//! limits. What the axes permit at a place depends on the speed there. This speed in turn depends on the
+//! deceleration before. So the profile is found in rounds:
 //!
-//! One call makes a round, or a few rounds if the stop has few curves (`search`).
+//! 1. The first round makes a profile with the deceleration and jerk that the axes permit at the start of the
+//!    stop.
+//! 2. Each round checks a few speeds of its profile, each at the place where the profile has this speed.
+//! 3. If the axes do not permit the profile at one of these places, the next round uses lower values.
+//!
+//! One call of the planner makes one round, or a few rounds if the path of the stop has few curves
+//! (`search`).
 use super::descent::{CLOSE, Cursor, Descent, SPANS, Stretch};
 use super::search::{LAW_COSTS, WALK, curve_costs, part_costs};
 use super::{Brake, Instant, Planning, Speed};

@@ -1,15 +1,22 @@
-//! Lowers the speed of a motion without room for its stop, until the stop has room.
+//! Slows the motion down if the stop of a new reserve has no room, until the stops fit.
 //!
-//! The planner never gives up the reserve in force: at its start the interrupt leaves the queue. So pieces
-//! after that instant become valid only when the next reserve is complete. The next reserve may need more
-//! pieces than there is room for ([`crate::queue::Keeper`]), or leave the path that the interrupt knows. Then
-//! the planner sets a speed cap for all profiles ([`crate::lookahead::Pace::set_cap`]), withdraws the pieces
-//! that are not valid, and makes the reserve again. A lower speed gives a shorter stop, so each try is
-//! slower. If no try is in time, the interrupt uses the reserve in force and stops.
+//! A stop has no room in two cases: it needs more pieces than the memory has ([`crate::queue::Keeper`]), or
+//! it ends beyond the curves that the interrupt knows. The planner then takes these steps:
 //!
-//! A start from a stop, or a new profile by a command, is also withdrawn and tried again at the lower speed.
+//! 1. Set a speed cap for all profiles ([`crate::lookahead::Pace::set_cap`]), at 0.7 of the speed at which
+//!    the stop begins.
+//! 2. Withdraw the pieces that are not valid yet. All pieces after the start of the reserve in force are of
+//!    this kind, because the interrupt would leave the queue there.
+//! 3. Make these profiles and the reserve again. If the new stop has no room either, repeat the steps with a
+//!    lower cap.
 //!
-//! The cap rises step by step while stops leave room. So the speed settles where stops just fit.
+//! The reserve in force stays meanwhile. If no new reserve is complete in time, the interrupt uses the
+//! reserve in force, and the axes stop.
+//!
+//! A start after a standstill, or a new profile by a command, is withdrawn and tried again in the same way.
+//!
+//! When a new reserve leaves room, the planner raises the cap by a step. So the speed settles where the stops
+//! just fit.
 use super::committed::CommittedSpan;
 use super::{Brake, Instant, KEPT_FREE, PIECES, Planning, RingStage, Speed, clock};
 use crate::math::float::{max, min};

@@ -1,5 +1,5 @@
 //! Functions for a standstill: the position of the axes, the start of a new program, and a new coordinate for
-//! the same place.
+//! the place where the axes stand.
 use super::{Beyond, Commands, KEPT_FREE, PIECES, Phase, Place, Planning, Slot, Speed, clock, to_f32};
 use crate::nc::SlopeType;
 use crate::path::Shape;

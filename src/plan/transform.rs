@@ -1,12 +1,13 @@
-//! The transformation of the path (feature `kinematics`): elements of tool tip and angles become elements of
-//! the axes.
+//! The transformation of machines with rotary axes (feature `kinematics`): elements of tool tip and angles
+//! become elements of the axes.
 //!
-//! While a transformation is active, intake and smoothers use workpiece coordinates: the main axes hold the
-//! tool tip, and the rotary axes hold their angles. Each element is split ([`Splitter`]), one polynomial per
-//! call. If an axis has a software limit, the whole element is checked before its first polynomial enters the
-//! look-ahead.
+//! While a transformation is active, intake and smoothing use workpiece coordinates. The main axes then hold
+//! the position of the tool tip, and the rotary axes hold their angles. After smoothing, each element is
+//! split into polynomials of the axes ([`Splitter`]), one polynomial per call. If an axis has a software
+//! limit, all polynomials of the element are checked before the first one enters the look-ahead.
 //!
-//! The transformation changes at a standstill, after all blocks before the command.
+//! A command that changes the transformation takes effect at a standstill, after all blocks before the
+//! command.
 use super::intake::Pass;
 use super::{Intake, MotionError, Planning, Work};
 use crate::dynamics::{Curving, Near};

@@ -1,5 +1,5 @@
-//! The angle that consecutive arcs turn about one centre. An arc that continues the arc before it counts
-//! together with that arc ([`crate::path::Circle::turn`]).
+//! Adds up the angle that consecutive arcs turn about one centre. The limits of an arc depend on this angle
+//! ([`crate::path::Circle::turn`]).
 use crate::nc::Plane;
 use crate::path::Element;
 use crate::quantity::Position;

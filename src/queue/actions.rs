@@ -1,10 +1,17 @@
-//! Actions (functions at points of the path), from the planner through the interrupt to the operator.
+//! Passes actions (functions of the program at points of the path) from the planner through the interrupt to
+//! the operator.
 //!
-//! An action keeps one place from the planner to the operator. Three counters say who owns a place, and each
-//! counter has one writer. The planner counts actions *put in*, the interrupt counts *due* actions, the
-//! operator counts *taken* actions. When the path reaches the point of an action, the interrupt writes the
-//! tick number into the place and increments its counter. No action is copied, and the operator may take a
-//! due action at any later time.
+//! An action stays in one place of the memory, and no action is copied. Three counters say which side owns a
+//! place, and each counter has one writer:
+//!
+//! | counter | written by | counts the actions that |
+//! |---|---|---|
+//! | `put` | the planner | have been put in |
+//! | `due` | the interrupt | are due |
+//! | `taken` | the operator | have been taken |
+//!
+//! When the motion reaches the point of an action, the interrupt writes the tick number into the place and
+//! increments `due`. The operator may take a due action at any later time.
 #![allow(unsafe_code)]
 use super::{ACTIONS, PlacedAction};
 use crate::quantity::{Distance, Position};

@@ -1,13 +1,15 @@
-//! The memory of curves ([`super::curves`]). A slot holds the data that every curve has; a line has no other
-//! data. The additional data of an arc or a polynomial are its *part*.
+//! The memory of the curves in the ring ([`super::curves`]). A slot of the ring has the data that every curve
+//! has. A line has no other data. An arc or a polynomial has additional data, its *part*.
 //!
-//! In a build with Surface or splines, each slot has room for a part after these data. A small build has no
-//! such room. There a line takes one slot, and any other curve takes two slots; the first one holds the part.
-//! A part leaves the end of its slot free, and a mark there says that the slot holds a part.
+//! | build | place of the part | slots per arc or polynomial |
+//! |---|---|---|
+//! | usual | in the same slot, after the other data | one |
+//! | small | in the slot before the curve's slot | two |
 //!
-//! In a small build, the part of a curve always lies in memory just before the curve's slot. So one extra
-//! slot lies before the first slot of the ring. A curve in the first slot keeps its part in the extra slot;
-//! the last slot of the ring is then marked as a part and stays empty.
+//! In a small build, the end of a slot with a part has a mark that says so. The part always lies just before
+//! the curve's slot in memory. So there is one extra slot before the first slot of the ring. If a curve is in
+//! the first slot of the ring, its part is in the extra slot. The last slot of the ring is then marked as a
+//! part and stays empty.
 #![allow(unsafe_code)]
 use crate::machine::functions;
 use crate::path::{Arc, Bent, Linear, Shape, Swings, add_cubic, add_poly};

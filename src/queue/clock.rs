@@ -1,36 +1,39 @@
-//! The shared clock: ticks, instants, and the words by which the planner withdraws pieces that the interrupt
-//! may already see.
+//! The clock that planner, interrupt and operator share, and the words for a change of plan. With these
+//! words, the planner withdraws pieces that the interrupt may already see.
 //!
-//! There are two clocks. *Ticks* count every call of the interrupt. *Instants* count only ticks that use a
-//! piece: a piece of motion, of dwell, or for the tick that shows a standstill. Pieces begin at instants, so
-//! a cut is an instant too. An instant is twice the number of such ticks since `Rings::split`, modulo 2^32.
-//! So instants are even; an odd number means "never": there is no cut, or no reserve.
+//! There are two counts of ticks. *Ticks* count all calls of the interrupt. *Instants* count only the ticks
+//! that use a piece. There are pieces of motion, pieces of dwell, and one-tick pieces that show a standstill.
+//! Pieces begin at instants, so the tick of a change of plan (the *cut*) is an instant too.
+//!
+//! All counts begin at `Rings::split`, step by 2 ([`TICK`]) and wrap at 2^32. So a count is even, and bit 0
+//! is free for marks. An odd instant means "never": there is no cut, or no reserve.
 //!
 //! Every word has one writer:
 //!
 //! | word | written by | holds |
 //! |---|---|---|
-//! | `begun` | the interrupt, first in a tick | number of ticks begun |
-//! | `now` | the interrupt, last in a tick that used a piece | the instant of the next tick |
-//! | `idle` | the interrupt, last in any other tick | number of such ticks |
-//! | `rested` | the interrupt, last in any other tick | `begun` of that tick, plus one if set points moved |
-//! | `left` | the interrupt | how often the interrupt changed to a reserve, and to which one |
-//! | `at`, `to` | the planner | the cut: its instant, and the first piece after the cut |
-//! | `ends`, `firsts`, `cuts` | the planner | two reserves: the instant, the first piece, the last cut before the reserve |
-//! | `let_go` | the planner | `left`, when the interrupt may return to the queue |
+//! | `begun` | the interrupt, first in a tick | twice the number of ticks that have begun |
+//! | `now` | the interrupt, last in a tick that used a piece | the instant of the next tick that uses a piece |
+//! | `idle` | the interrupt, last in any other tick | twice the number of ticks that used no piece |
+//! | `rested` | the interrupt, last in any other tick | `begun` of this tick; bit 0 is set if set points moved (filters or single axes) |
+//! | `left` | the interrupt, when it changes to a reserve | a number that changes each time; bit 0 names the reserve |
+//! | `at`, `to` | the planner | the cut: its instant, and the number of the first piece after the cut |
+//! | `ends`, `firsts`, `cuts` | the planner | for each of two reserves: its first instant, its first piece, and the cut to which it belongs |
+//! | `let_go` | the planner | a copy of `left`: with this copy, the planner permits the interrupt to return to the queue |
 //!
-//! A tick is running while `begun` is ahead of the sum of `now` and `idle`. A planner on the interrupt's core
-//! never sees a running tick. A planner on another core waits for the end of that tick ([`Clock::settle`])
-//! before it decides; the wait takes a few hundred instructions. The interrupt never waits. (Both sides use
-//! only loads and stores. With these alone, two sides can decide who came first only if one of them waits.)
+//! **Running ticks.** While a tick runs, `begun` is ahead of the sum of `now` and `idle`. A planner on the
+//! interrupt's core never sees a running tick. A planner on another core waits for the end of that tick
+//! ([`Clock::settle`]) before it decides. The wait takes a few hundred instructions. The interrupt never
+//! waits. (Both sides use only loads and stores. With these alone, two sides can decide who came first only
+//! if one of them waits.)
 //!
-//! There is room for two reserves, so one reserve is valid while the planner writes the next one. Each
-//! reserve belongs to one cut. If the interrupt has not taken this cut, or has taken a later one, the reserve
-//! is not valid.
+//! **Order of accesses.** The interrupt stores `begun` before it reads the planner's words. Both sides
+//! execute a sequentially consistent fence between their write and their read. So at least one side sees the
+//! write of the other. Every tick that ends after [`Clock::settle`] therefore sees what the planner has
+//! written before.
 //!
-//! The interrupt stores `begun` before it reads the planner's words. Both sides execute a sequentially
-//! consistent fence between their write and their read. So at least one side sees the write of the other.
-//! Every tick that ends after [`Clock::settle`] therefore sees what the planner has written before.
+//! **Two reserves.** One reserve is valid while the planner writes the other one. Each reserve belongs to one
+//! cut. A reserve is valid only as long as this cut is the last one that the interrupt has taken.
 use super::word::{Memory, Ram, Word};
 use core::sync::atomic::Ordering;
 

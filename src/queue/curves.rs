@@ -1,30 +1,36 @@
-//! The ring of curves with their starts. The tick finds its current curve from the path distance alone.
+//! The ring of curves. From the path distance alone, the tick finds the curve on which the axes are.
 //!
-//! The planner writes a curve once, when the block enters the look-ahead. The curve stays in its place until
-//! the interrupt has passed it. There are two kinds: *released* curves, along which pieces move, and after
-//! them the curves of the look-ahead. The interrupt already knows the starts of both kinds.
+//! The planner writes a curve when its block enters the look-ahead. The curve stays in its place until the
+//! interrupt has passed it. First in the ring are the *released* curves, along which there are pieces of
+//! motion. The curves of the look-ahead follow. The interrupt can find both kinds.
 //!
-//! Starts are in a separate array, which is longer than the ring. After the last curve, this array holds as
-//! many starts as a tick reads, which no distance reaches. The head of the array is repeated after its end.
-//! So a tick needs neither the number of curves nor the end of the array: it searches a window of fixed size
-//! by halving.
+//! **Starts.** The start of a curve is the path distance at which the curve begins. Starts are in an array of
+//! their own, which is longer than the ring. A tick searches a window of fixed size in this array by halving.
+//! The tick needs neither the number of curves nor the end of the array:
 //!
-//! A start tells the interrupt that its curve is valid. The planner writes the start after the curve, the
-//! upper half last. Both halves of the old value are out of reach, so a half-written start is out of reach
-//! too. Distances compare correctly only over a limited path. If the curves of the look-ahead lead beyond
-//! this path, the planner writes their starts when the interrupt comes nearer.
+//! - After the start of the last curve, the array has filler entries, enough for a window. Each of them is
+//!   about 2^17 mm after the end of the path ([`OUT_OF_REACH`]). No tick moves so far.
+//! - After the end of the array, its first entries are repeated.
 //!
-//! In a small build, an arc or a polynomial takes two slots ([`super::cells`]). The first slot holds the part
-//! (the additional data of the arc or polynomial), and the second slot holds the curve. Each slot has a
-//! number and a start; both starts are the same path distance. So a tick that passes the first slot also
-//! passes the second one, and never ends on a part. The interrupt reads the first start, so the planner
-//! writes this start last. Counts in this file are then counts of slots, and many such curves shorten the
-//! look-ahead.
+//! **A new curve.** The planner writes the curve, then the lower half of its start, then the upper half. From
+//! then on, the interrupt may use the curve. Before, the entry is a filler: its upper half is far away, and
+//! its lower half has the highest possible value. So any mixture of old and new halves is at or after the
+//! final start. The interrupt cannot find the curve too early.
 //!
-//! A slot holds the lower half of the motion block's number. A reader counts back from the latest number
-//! ([`super::cells::whole`]), so numbers in the ring must be less than 2^16 apart. A curve may replace many
-//! motion blocks. Before another block joins such a curve, the planner checks whether the numbers would be
-//! too far apart ([`CurveProducer::is_crowded`]). If so, the block gets its own curve.
+//! **Range.** Path distances wrap around. So two of them compare correctly only if they are less than 2^19 mm
+//! apart. If the curves of the look-ahead lead too far for this, the planner writes their starts later, when
+//! the interrupt is nearer.
+//!
+//! **Small build.** An arc or a polynomial takes two slots ([`super::cells`]). The first one has its
+//! additional data (the part), the second one is the slot of the curve. Both slots have the same start, so a
+//! tick passes both or none. The interrupt reads the first of the two starts, so the planner writes that one
+//! last. In this file, numbers of curves are then numbers of slots. Many such curves make the look-ahead
+//! shorter.
+//!
+//! **Block numbers.** A slot has the lower 16 bits of the number of its motion block. A reader finds the
+//! upper bits from the latest number ([`super::cells::whole`]). So all block numbers in the ring must be less
+//! than 2^16 apart. One curve may replace many motion blocks. If the numbers could get too far apart, the
+//! next block gets a curve of its own ([`CurveProducer::is_crowded`]).
 #![allow(unsafe_code)]
 use super::SEGMENTS;
 use super::cells::{self, BEFORE, IS_WHOLE, MOST, Place, Segment, Track, whole};

@@ -1,13 +1,15 @@
-//! The distance that the axes have driven at a path distance, for the operator.
+//! How far the feed axes have really moved since the start, for the operator (feature `driven`). This length
+//! is called travel here.
 //!
-//! Path distance is the coordinate of the plan. On a line or an arc, path distance is the travel of the feed
-//! axes. In a curve that is planned over time, path distance is time multiplied by the feed, and the axes
-//! travel less. So each curve has a [`Drive`]: the driven distance at its start, middle and end, and the
-//! travel per path distance there.
+//! On a line or an arc, the path distance is the travel of the feed axes. In a curve that is planned over
+//! time, the path distance is time multiplied by the feed, and the axes move less. So each curve has a
+//! [`Drive`]. A [`Drive`] stores the travel at the start, in the middle and at the end of the curve. It also
+//! stores how much the travel grows there with the path distance.
 //!
-//! In each half of the curve, the driven distance is the cubic with these values. If a curve over time brakes
-//! on a straight line, the result is exact, because the axes follow a cubic there. The interrupt does no work
-//! for this: a reader finds the curve from the number of curves that the interrupt has passed.
+//! In each half of the curve, the travel is the cubic polynomial with these values at both ends. If a curve
+//! over time brakes on a straight line, the result is exact, because the axes follow a cubic there. The
+//! interrupt does no work for this. A reader finds the current curve from the number of curves that the
+//! interrupt has passed.
 use crate::math::float::{max, min, to_f32, to_i64};
 use crate::path::{Measure, Shape};
 use crate::quantity::Position;

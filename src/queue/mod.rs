@@ -1,4 +1,5 @@
-//! The memory that planner, interrupt and operator share: static, with one writer for every word.
+//! The memory that planner, interrupt and operator share. The memory is static, and every word has one
+//! writer.
 //!
 //! | file | what is in it |
 //! |---|---|
@@ -8,13 +9,13 @@
 //! | `reserve` | the pieces of the stop that is always ready, for a planner that gets no time |
 //! | `actions` | functions at points of the path |
 //! | `status` | the result of each tick, for the operator |
-//! | `driven` | the distance that the axes have driven at a path distance (feature `driven`) |
+//! | `driven` | how far the axes have really moved, also in curves that are planned over time (feature `driven`) |
 //! | `overlay` | the motion of a single axis |
 //! | `word` | words and places, from which the other files are built |
 //!
-//! When a block enters the look-ahead, the planner writes the block's curve into the ring. Before the first
-//! piece that moves along this curve, the planner releases the curve to the interrupt. The operator's
-//! commands are also part of this memory; [`crate::control`] describes them.
+//! When a block enters the look-ahead, the planner writes the block's curve into the ring of curves. Before
+//! the first piece of motion on this curve, the planner releases the curve to the interrupt. The operator's
+//! commands have words of their own ([`crate::control`]).
 mod actions;
 mod cells;
 pub mod clock;

@@ -1,11 +1,12 @@
-//! An overlay: the motion of a single axis, passed from the planner to the interrupt.
+//! An overlay: the motion of a single axis that is independent of the path, passed from the planner to the
+//! interrupt.
 //!
-//! An overlay has its own pieces, whose distance is the position of the axis, and its own clock. This clock
-//! counts every tick with a piece, whether the path moves or not. The planner writes a whole motion, from
-//! stop to stop. So the interrupt can always finish the motion without the planner. The interrupt keeps the
-//! axis, also at standstill, until the planner returns the axis to the path.
+//! An overlay has its own pieces, which give the position of the axis, and its own clock. This clock counts
+//! the ticks that use a piece of the overlay, whether the path moves or not. The planner always writes a
+//! whole motion from stop to stop. So the interrupt can finish the motion without the planner. The axis
+//! belongs to the overlay, also at standstill, until the planner returns the axis to the path.
 //!
-//! Changes of these pieces use a cut, as for the path ([`super::time`]).
+//! A command that changes the motion uses a cut, as for the path ([`super::time`]).
 use super::word::Word;
 use super::{Clock, Consumer, Phase, Producer, Ring, Slot};
 use crate::quantity::Position;

@@ -1,14 +1,14 @@
-//! The pieces of the reserve: a stop with which the interrupt continues if the planner gets no time
+//! The pieces of the reserve: the stop that the interrupt executes if the planner gets no time
 //! ([`super::clock`]).
 //!
-//! One array holds the stop in force and the stop that the planner is writing. Each stop ends with a piece of
-//! no ticks and has half of the array, so the next stop always has room. The interrupt reads only the stop in
-//! force, and only after it has left the queue. From then on, the planner writes no piece, until it lets the
-//! interrupt return to the queue. While one stop replaces the other, both stay unchanged.
+//! One array holds two stops, each in one half: the stop in force, and the stop that the planner is writing.
+//! A piece of no ticks marks the end of a stop. The interrupt reads only the stop in force, and only after it
+//! has left the queue. From then on, the planner writes no piece, until it lets the interrupt return to the
+//! queue. While one stop replaces the other, both stay unchanged.
 //!
-//! If ramps are long and ticks short, a part of a profile has many pieces. Often, a piece continues the piece
-//! before it exactly, except for rounding. Only this rounding is then stored, and four such pieces take the
-//! place of one whole piece ([`change`]). Reading returns exactly the pieces that were written.
+//! A stop may have many pieces, because a piece on a ramp lasts at most 128 ticks. To save memory, a piece
+//! that continues the piece before, except for rounding, is stored as this rounding alone. Four such pieces
+//! take the place of one whole piece ([`change`]). Reading returns exactly the pieces that were written.
 #![allow(unsafe_code)]
 use super::clock::Kept;
 use super::word::{Memory, Place, Ram, Replay};

@@ -1,10 +1,13 @@
-//! A ring for one producer and one consumer that may interrupt each other, without lock and without waiting.
+//! A ring for one producer and one consumer, without lock and without waiting. Each of them may interrupt the
+//! other, or run on another core.
 //!
-//! Producer and consumer each have one counter that only they write. A slot belongs to the producer until the
-//! producer's counter passes it, then to the consumer until the consumer's counter does. Counters run freely
-//! and are masked, so all `N` slots are used and no index needs a division. (The queue of the crate
-//! `heapless` is not used: after its split, the type no longer contains `N`. An index would then need a
-//! division in the interrupt, and a panic for `N` = 0.)
+//! Producer and consumer each have one counter, which only they write. A slot belongs to the producer until
+//! the producer's counter passes it. Then the slot belongs to the consumer until the consumer's counter
+//! passes it. Counters are never reset, and their lower bits are the index of the slot. So all `N` slots are
+//! used, and no index needs a division.
+//!
+//! (The queue of the crate `heapless` is not used. After its split, the type no longer contains `N`, so an
+//! index would need a division in the interrupt, and a panic for `N` = 0.)
 #![allow(unsafe_code)]
 use super::word::{Memory, Place, Ram, Replay, Word};
 use core::sync::atomic::Ordering;

@@ -1,11 +1,13 @@
-//! The status of every tick. Any task, interrupt or core reads a snapshot of one tick, without a lock.
+//! The status of every tick: position, block and path distance. Any task, interrupt or core reads a snapshot
+//! of one tick, without a lock.
 //!
-//! The interrupt writes whole words, so no word is ever half written. The words of a snapshot belong together
-//! if no tick has begun during the read. The clock tells whether a tick has begun ([`Clock::ended`],
-//! [`Clock::is_at`]), and the reader repeats the read until none has. A reader never delays the interrupt.
+//! The interrupt writes whole words, so no word is ever half written. All words of a snapshot belong to the
+//! same tick if no tick has begun during the read. The clock tells whether a tick has begun
+//! ([`Clock::ended`], [`Clock::is_at`]). If so, the reader reads again. A reader never delays the interrupt.
 //!
-//! The interrupt writes values that it already has; the reader derives the others. The speed, for example, is
-//! the difference of the set points of two ticks. Even and odd ticks have separate places for set points.
+//! The interrupt writes only values that it has in any case, and the reader derives the others. The speed,
+//! for example, is the difference of the set points of two ticks. For this, even and odd ticks write their
+//! set points to different words.
 use super::cells::whole;
 use super::clock::TICK;
 use super::word::{Memory, Ram, Word};

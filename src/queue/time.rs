@@ -1,27 +1,28 @@
 //! The interrupt's step from one piece to the next, and the planner's change of pieces that the interrupt may
 //! already see.
 //!
-//! The planner writes pieces well ahead. To change future pieces, the planner agrees with the interrupt on an
-//! instant, the *cut*. At the tick of that instant, the interrupt leaves its pieces and continues with the
-//! piece that the cut names. Up to that instant, the old pieces are valid.
+//! The planner writes pieces well ahead. To replace future pieces, the planner agrees with the interrupt on a
+//! tick, the *cut*. Before the cut, the interrupt uses the old pieces. At the cut, the interrupt goes to the
+//! first new piece.
 //!
-//! No order of events can mix old and new pieces:
+//! In any order of events, the interrupt uses either the old pieces or the new ones:
 //!
-//! 1. The planner puts a *barrier*, a piece of no ticks, after the old pieces, and then the new pieces
-//!    ([`Change::begin`]). The interrupt does not pass a barrier, so nothing changes for the interrupt.
-//! 2. The planner publishes the cut: first the piece, then the instant. The planner then waits for a running
-//!    tick ([`Clock::settle`]). From here on every tick sees the cut.
-//! 3. The planner reads the instant of the next tick. If this instant is not after the cut, the interrupt
-//!    will take the cut. Otherwise, the interrupt's count of pieces decides. If the count is beyond the
-//!    barrier, the interrupt has taken the cut. If not, the interrupt never takes the cut and stays before
-//!    the barrier. The planner then withdraws barrier and new pieces ([`Change::commit`]).
+//! 1. The planner writes an end marker (*barrier*) behind the old pieces, and the new pieces behind the
+//!    marker ([`Change::begin`]). The marker is a piece of no ticks, which the interrupt does not pass. So
+//!    nothing changes for the interrupt.
+//! 2. The planner publishes the cut: first the new piece, then the tick. If a tick is running on another
+//!    core, the planner waits for its end ([`Clock::settle`]). From here on, every tick sees the cut.
+//! 3. The planner checks whether the cut is in time ([`Change::commit`]). If the next tick is not after the
+//!    cut, the interrupt will take the cut. If the next tick is after the cut, the interrupt has taken the
+//!    cut only if it has passed the marker. Otherwise the interrupt never takes the cut and stays before the
+//!    marker. In that case, the planner withdraws the marker and the new pieces.
 //!
-//! The end of the queue has its own permanent cut, the *reserve*. If the profiles in the queue end at speed,
-//! the interrupt continues with a stop, unless the planner has replaced the reserve before. So the motion
-//! brakes without any action of the planner. The pieces of the stop have separate memory
-//! ([`super::reserve`]). After this change, the interrupt stays with the stop until the planner lets it
-//! continue. A cut and the reserve after it change together ([`Change::hand_over`]). At every moment there is
-//! a valid stop, even if the planner is interrupted in between.
+//! **Reserve.** If the queue ends at speed, the end of the queue has a cut that is always there. This cut
+//! leads to the reserve: a planned stop, whose pieces are in a separate memory ([`super::reserve`]). If the
+//! planner has not written more pieces by then, the interrupt takes this cut, and the axes brake. The
+//! interrupt stays with the stop until the planner lets it return to the queue. A change of plan and the
+//! reserve after it take effect together ([`Change::hand_over`]). So there is a valid stop at every moment,
+//! even if the planner is interrupted in between.
 //!
 //! `host-tests/tests/interleavings` runs this code in every order of its accesses to shared words.
 use super::word::{Memory, Ram, Replay};

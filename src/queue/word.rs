@@ -1,8 +1,8 @@
-//! Shared words of planner, interrupt and operator, each with one writer, and places that pass from one owner
-//! to the next. All rings of the queue are made of these words and places.
+//! Words that planner, interrupt and operator share, each with one writer, and places whose data pass from
+//! one owner to the next. All rings of the queue are made of such words and places.
 //!
-//! [`Memory`] is the memory of the target. A test uses another memory in its place, which records every
-//! access. The test then runs the code of the target in every order of these accesses.
+//! On the target, [`Memory`] is real memory. A test replaces it by a memory that records every access. The
+//! test then runs the code of the target in every order of these accesses.
 #![allow(unsafe_code)]
 use super::Slot;
 use core::cell::UnsafeCell;

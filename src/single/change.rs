@@ -1,8 +1,8 @@
-//! Changes a motion whose pieces the interrupt already has: stops the axis, ends an oscillation after its
-//! cycle, or changes the speed.
+//! Changes the motion of a single axis that the interrupt already executes: stops the axis, ends an
+//! oscillation after its cycle, or changes the speed.
 //!
-//! Only one change exists at a time, and each tick has at most one attempt. A stroke that already brakes
-//! stays unchanged.
+//! Only one change is in progress at a time, and the planner tries at most one change per tick. If the
+//! current stroke already brakes, the stroke stays unchanged.
 use super::{Goal, Single, has_room, place, stroke};
 use crate::math::float::max;
 use crate::quantity::{Distance, Speed, speed_bits, speed_f32};

@@ -27,17 +27,18 @@
 //!
 //! A [`Single`] takes a goal (a position, or an oscillation) and the limits of the axis. [`Single::work`]
 //! writes pieces of a speed profile into the queue of that axis ([`crate::queue::Overlay`]). A motion
-//! consists of *strokes*, from stop to stop. A stroke enters the queue as a whole, and the next stroke enters
-//! before the current one ends. If the planner gets no time, the axis stops at the end of its stroke.
+//! consists of *strokes*: motions from stop to stop. A stroke enters the queue as a whole, and the next
+//! stroke enters before the current one ends. If the planner gets no time, the axis stops at the end of its
+//! stroke.
 //!
-//! An oscillation has the slope of P-CHAN-00071; an independent axis has this slope or its own slope. The
-//! last tick of a stroke outputs exactly its end position, so a stroke lasts a whole number of ticks. The
+//! An oscillation has the slope of P-CHAN-00071. An independent axis has this slope or a slope of its own.
+//! The last tick of a stroke outputs exactly the end position, so a stroke lasts a whole number of ticks. The
 //! programmed time of a stroke is rounded to ticks. The remainder is added to the next stroke, so an
 //! oscillation keeps its frequency.
 //!
 //! After a feed hold, an abort, `OFF INSTANT` or `OFF FEED`, the axis brakes inside its limits
-//! ([`crate::slope::brake::Brake`]). Braking begins a few ticks after the command. If the axis is already
-//! braking, the axis finishes the current stroke.
+//! ([`crate::slope::brake::Brake`]). Braking begins a few ticks after the command. An axis that is already
+//! braking finishes its stroke.
 mod change;
 mod stroke;
 

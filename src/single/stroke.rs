@@ -1,5 +1,5 @@
-//! Computes one stroke: the speed profile of an axis from stop to stop. Also finds the speed at which a
-//! stroke takes a given time.
+//! Computes one stroke: the speed profile of an axis from stop to stop. For a stroke of a given time, this
+//! file also finds the speed.
 use super::PIECES_OF_A_STROKE;
 use crate::math::float::{min, size_f32, to_f32};
 use crate::quantity::{Distance, Speed, speed_f32};

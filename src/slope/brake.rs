@@ -1,20 +1,23 @@
-//! Braking from the current motion, which may have any speed and acceleration. The braking ends with zero
-//! acceleration at a lower speed, or at the lowest speed that the rest of the span permits.
+//! Plans a braking that replaces the rest of a span's profile, for example after a feed hold. The motion may
+//! have any speed and acceleration when the braking begins. The braking ends with zero acceleration at a
+//! given lower speed, or at the lowest speed that has room before the end of the span.
 //!
-//! A positive acceleration first falls to zero, with the jerk limit for the end of a gain of speed. A
-//! deceleration a continues on a ramp, as if this ramp had begun the time a/j ago. Start and size of the ramp
-//! are integers computed from the state, so speed and acceleration do not jump.
+//! **From a positive acceleration.** The acceleration first falls to zero, then the deceleration begins. STEP
+//! has no jerk limit: its deceleration begins at once.
 //!
-//! All ramps are linear, also with SIN2, because an existing acceleration is not the start of a whole sine
-//! ramp. A linear ramp with the mean jerk stays below the peak jerk of SIN2, which the limits assume. Where a
-//! positive acceleration falls to zero, the ramp uses the peak jerk. A sine ramp would not fall faster at any
-//! point, so the linear ramp ends at no higher speed than the profile it replaces. STEP has no jerk limit:
-//! the deceleration begins at once.
+//! **From a deceleration.** The motion is already on a ramp of deceleration or past it. With the deceleration
+//! a and the jerk j, the new braking is planned as if its ramp had begun the time a/j ago. The start of this
+//! ramp is computed in integers from the state of the motion, so speed and acceleration do not jump.
 //!
-//! At no place is the new profile faster than the profile it replaces. The old profile also ends with zero
-//! acceleration at the end of the span, and brakes at most as hard. So the new profile keeps the limits of
-//! every block of the span. (A linear ramp may brake later than the replaced sine ramp of SIN2. But then all
-//! blocks of the span have one limit, and the motion only brakes.)
+//! **SIN2.** All ramps of a braking are linear, also with SIN2, because an existing acceleration does not fit
+//! into the middle of a sine ramp. The limits assume the peak jerk of SIN2; a linear ramp with the mean jerk
+//! stays below. A positive acceleration falls to zero with the peak jerk. A sine ramp falls no faster at any
+//! point, so the linear ramp ends at no higher speed.
+//!
+//! **Limits of the blocks.** The new profile is nowhere faster than the old one, so the limits of every block
+//! hold. Both profiles end with zero acceleration, and the old profile does not brake harder. One exception
+//! has no effect: a linear ramp may brake later than a sine ramp. With SIN2, all blocks of such a span have
+//! the same limit.
 use super::area;
 use super::profile::{Change, Form, Profile};
 use super::ramp::{JerkLimited, Ramp};

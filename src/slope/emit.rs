@@ -1,12 +1,20 @@
-//! From the profile of a span to the pieces of the tick: cubics that start at a tick and last whole ticks.
+//! Cuts the profile of a span into pieces for the interrupt. A piece gives the path distance as a cubic
+//! polynomial of time. A piece starts at a tick and lasts a whole number of ticks.
 //!
-//! The parts of a [`Profile`] begin and end between ticks. The planner knows the times of the ticks, so a
-//! piece begins with the state at the first tick inside a part. The interrupt then counts whole ticks. A part
-//! without a tick has no piece, so at most one piece begins at a tick.
+//! The seven parts of a [`Profile`] (ramps, constant acceleration, constant speed) begin and end between two
+//! ticks. A piece begins at the first tick inside a part, with the state of the motion at this tick. A part
+//! that contains no tick has no piece. So at most one piece begins at a tick, and the interrupt only counts
+//! whole ticks.
 //!
-//! Rounding limits the length of pieces: 128 ticks with jerk, 512 ticks with acceleration. With coefficients
-//! of LSB 2^-58 mm, the cubic stays within 2^-37 mm of the exact curve, a sixteenth of the rounding of a set
-//! point.
+//! | part of a profile | longest piece, ticks |
+//! |---|---|
+//! | ramp (constant jerk) | 128 |
+//! | ramp of SIN2 | 64 |
+//! | constant acceleration | 512 |
+//! | constant speed | 65,535 |
+//!
+//! The coefficients have an LSB of 2^-58 mm. With these lengths, the cubic differs from the exact curve by at
+//! most 2^-37 mm. This is a sixteenth of the rounding of a set point.
 use super::area;
 use super::brake::Brake;
 use super::profile::{Change, Form, Profile};

@@ -1,8 +1,8 @@
-//! Limits of a block as the look-ahead stores them: seven numbers, and some bits for the slope.
+//! The limits of a block in the compact form that the look-ahead stores: seven numbers, and five bits for the
+//! slope.
 //!
-//! This form saves memory: an enum would take four bytes more per block, and limits with constant speed
-//! (CONST_VEL) another four bytes. With CONST_VEL, only one jerk per direction is stored, the lower one;
-//! accelerations are small there.
+//! With CONST_VEL (constant speed in a curve), only the lower jerk of each direction is stored. This costs no
+//! speed, because accelerations are small there.
 use super::limits::{Joins, Limits, Loose, SlopeLaw, lower};
 use super::ramp_shape::RampShape;
 use crate::machine::functions::STEP_BUILT;

@@ -1,5 +1,5 @@
-//! Limits along the path: the permitted speed, acceleration and jerk. This file also computes the common
-//! limits of several elements, and the ramps of these limits.
+//! The limits along the path in a block: speed, acceleration, deceleration, and the jerk of each ramp. This
+//! file also computes the common limits of several blocks, and the ramps that the limits permit.
 use super::ramp::{JerkLimited, Ramp, Stepped};
 use super::ramp_shape::RampShape;
 use crate::machine::functions::StepBuilt;

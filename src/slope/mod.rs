@@ -3,9 +3,9 @@
 //!
 //! | slope | acceleration over time |
 //! |---|---|
-//! | STEP | two constant accelerations; jerk is not limited |
-//! | TRAPEZ, HSC | linear ramps with four ramp times; zero at both ends of a span |
-//! | SIN2 | the same with ramps of a squared sine |
+//! | STEP | constant; one value at low speed, another value at high speed; jerk is not limited |
+//! | TRAPEZ, HSC | linear ramps; TRAPEZ has four ramp times, HSC one; zero at both ends of a span |
+//! | SIN2 | as TRAPEZ, but the ramps are squared sines |
 //!
 //! | file | what is in it |
 //! |---|---|

@@ -1,13 +1,14 @@
-//! The speed profile of one span, exact in its length: a gain of speed (three parts), a part at constant
-//! speed, and a braking (three parts).
+//! The speed profile of one span: a gain of speed (three parts), a part at constant speed, and a braking
+//! (three parts). The profile covers exactly the length of the span.
 //!
-//! The fastest profile from `v_in` to `v_out` over the length has the highest peak that length and limits
-//! permit. A search in `f32` finds the peak. The ramp times for this peak are then fixed, and integers
-//! compute the length of both ramps. The rest of the length has constant speed; its time is accurate to 2^-36
-//! tick. Rounding may make the ramps slightly longer than the span, so that the rest is negative. Then all
-//! times shrink by the missing part, about a ten-millionth. The margins of the limits cover this, and
-//! [`Profile::plan`] verifies the margins. In a very short span, rounding of the length exceeds the margin.
-//! There a length changes by up to 2^-42 mm instead.
+//! The fastest profile has the highest peak speed that length and limits permit. A search in `f32` finds this
+//! peak, and the ramp times for this peak are fixed. Integers then compute the length of both ramps. The rest
+//! of the length has constant speed, and the time of this part is rounded to 2^-36 tick.
+//!
+//! The two ramps alone may be slightly longer than the span, because the search has rounding errors. Then all
+//! times are shortened by one common factor, at most by 2^-22 of their value. Limits have margins for this,
+//! and [`Profile::plan`] checks that the margins suffice. In a very short span, the rounding of the length
+//! itself exceeds these margins. There the length of one part is changed instead, by up to 2^-42 mm.
 use super::area;
 use super::ramp::{JerkLimited, Ramp, Stepped, root_of_cubic};
 use super::ramp_shape::RampShape;

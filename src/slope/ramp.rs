@@ -1,21 +1,26 @@
-//! A change of speed: its duration and its distance, for given limits.
+//! A change of speed: its duration and its distance, for given limits. All values are `f32`, in ticks and mm.
+//! [`super::profile`] turns the times into integers.
 //!
-//! **TRAPEZ, HSC, SIN2** ([`JerkLimited`]): acceleration rises, holds and falls. The plateau a has the ramp
-//! times t_rise and t_fall. A change from v0 to v1 that just reaches the plateau is full = a (t_rise +
-//! t_fall)/2, for any shape of the ramps ([`RampShape`]). If dv = v1 − v0 ≥ full, the plateau lasts (dv −
-//! full)/a. Otherwise both ramps shrink by k = √(dv/full), and the peak acceleration is k·a. With the times
-//! t1, t2, t3 of the three parts, the peak acceleration ap, and q of the shape (TRAPEZ 1/6), the distance is
+//! **TRAPEZ, HSC, SIN2** ([`JerkLimited`]): acceleration rises to a plateau, stays there, and falls to zero.
+//!
+//! - The plateau is a; the full ramps take the times t_rise and t_fall.
+//! - A change of speed that just reaches the plateau is full = a (t_rise + t_fall)/2, for any shape of the
+//!   ramps ([`RampShape`]).
+//! - For a change dv = v1 − v0 of at least full, the plateau lasts (dv − full)/a.
+//! - For a smaller change, both ramps are shorter by the factor k = √(dv/full), and the peak acceleration is
+//!   k·a.
+//!
+//! Let t1, t2, t3 be the times of the three parts, ap the peak acceleration, and q the constant of the shape
+//! (1/6 for linear ramps). Then the distance is
 //!
 //! ```text
 //! S = v0 (t1+t2+t3) + ap (q t1² + t1 t2/2 + t2²/2 + t1 t3/2 + t2 t3 + (1/2 − q) t3²)
 //! ```
 //!
-//! **STEP** ([`Stepped`]): acceleration a1 below the change-over speed, a2 above it. In each part v1² = v0² +
-//! 2 a S.
+//! **STEP** ([`Stepped`]): the acceleration is a1 below the change-over speed and a2 above. In each part, v1²
+//! = v0² + 2 a S.
 //!
-//! A braking is the same motion backward: the ramp at its end comes first. All values are `f32`, in ticks and
-//! mm. From these formulas, the planner derives the times of a profile; [`super::profile`] uses these times
-//! as integers.
+//! A braking is computed as the same motion backward, from its lower speed.
 use super::ramp_shape::RampShape;
 use crate::machine::functions::{STEP_BUILT, StepBuilt};
 use crate::math::float::{max, min};

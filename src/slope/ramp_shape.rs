@@ -1,17 +1,18 @@
-//! Shapes of a ramp: acceleration from zero to the peak and, mirrored, back to zero.
+//! Shapes of a ramp: how acceleration rises from zero to its peak. A falling ramp is the mirror image.
 //!
-//! Let u be the time of a ramp, from 0 to 1. The acceleration is peak·f(u), with f(0) = 0, f(1) = 1 and f(u)
-//! + f(1 − u) = 1. So every shape gains the speed peak·time/2. f is linear between equally spaced nodes. So
-//! distance is a cubic between the nodes, and speed and distance are exact integrals of the executed motion.
+//! Let u be the time within the ramp, from 0 to 1. The acceleration is peak·f(u), with f(0) = 0, f(1) = 1 and
+//! f(u) + f(1 − u) = 1. So every shape gains the speed peak·time/2. Between equally spaced nodes, f is a
+//! straight line. So the distance between two nodes is a cubic of time, which the interrupt can execute
+//! exactly.
 //!
 //! | shape | nodes | f at the nodes | mean speed gained, as part of all | highest jerk, as part of peak/time |
 //! |---|---|---|---|---|
 //! | [`RampShape::Linear`] | 0, 1 | u | 1/3 | 1 |
 //! | [`RampShape::SineSquare`] | 0, 1/8, … 1 | sin²(πu/2) | 0.29994 | 1.5307; limits count with π/2, the value of the sine |
 //!
-//! Between the nodes, the acceleration of [`RampShape::SineSquare`] differs from sin² by at most 0.95 % of
-//! its peak. The mean speed differs by 0.26 % of the speed gained (1/2 − 2/π² for the sine). If both ends of
-//! a change have equal ramps, these errors cancel: the change takes the time and the distance of the sine.
+//! The chords of [`RampShape::SineSquare`] differ from sin² by at most 0.95 % of the peak acceleration. The
+//! mean speed differs from that of the sine (1/2 − 2/π² of the speed gained) by 0.26 % of the speed gained.
+//! If both ramps of a change are equally long, these errors cancel: time and distance are those of the sine.
 use crate::machine::functions;
 use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;

@@ -1,29 +1,33 @@
-//! The slope HSC with NO_OPT=0: permits acceleration at the ends of a slow block.
+//! Moves anchors (points where acceleration is zero) from the ends of a slow block into the block, if this
+//! saves time. This is done with the slope HSC and NO_OPT=0.
 //!
-//! An anchor at the end of a slow block makes acceleration zero where the limit is reached. The fastest
-//! motion passes this place with an acceleration: it still brakes inside the slow block, and speeds up again
-//! before the block's end. So the anchor moves into the slow block, and gets a lower speed: a *valley*. The
-//! piece between the anchor and the end of the slow block then belongs to the fast span. Let J be the jerk, V
-//! the limit, and V − h the speed at the anchor. The ramp between them takes t = √(2h/J) and covers t·(V −
-//! 2h/3).
+//! An anchor at the end of a slow block makes acceleration zero just where the speed reaches the block's
+//! limit. The fastest motion brakes farther into the slow block, and speeds up again before the block's end.
+//! So the anchor moves into the slow block, and gets a lower speed: the block becomes a *valley*. The part
+//! between the anchor and the end of the block is *lent* to the span of the faster block. In this span, the
+//! limit of the lent part is not checked, because the lower speed at the anchor keeps the limit.
 //!
-//! Such a piece needs no check of its limit. From an anchor of the speed w on, the speed v = w + J·t²/2 is
-//! reached at s = w·t + J·t³/6 at the earliest. For a given s, v grows with w for w above v/2, and falls for
-//! smaller w. So the highest v is at one end of the range of w. For w = V − h the highest v is V; for w = 0
-//! it is below V as long as h ≤ V/8. The same holds for the reverse motion. So a motion keeps the limit of
-//! the piece if it begins or ends at the anchor with zero acceleration and at most the anchor's speed. This
-//! also holds after a hold, with another override, and with new blocks after the piece. The piece is *lent*
-//! to the fast span, where its own limit does not count. When the planned override changes, the slow block
-//! gets all of its pieces back ([`super::Lookahead::set_level`]).
+//! **Size.** Let J be the jerk, V the speed limit of the slow block, and V − h the speed at the anchor. The
+//! ramp from the anchor to the end of the block takes t = √(2h/J) and covers t·(V − 2h/3).
 //!
-//! A valley costs time inside the slow block and saves time outside. With a fast block of speed F, the best
-//! depth is about V·(1 − V/F)/4. A slow block that is too short for two valleys gets a single one from end to
-//! end. Two or three profiles are compared with those of the current plan. A valley that is not faster is
-//! dropped. The speeds at the other ends of both spans stay, because later blocks rely on them.
+//! **Why the limit holds.** A motion starts at the anchor with the speed w and zero acceleration. At the
+//! distance s = w·t + J·t³/6, its speed is at most v = w + J·t²/2. At a given s, v grows with w where w >
+//! v/2, and falls where w is smaller. So the highest v belongs to the largest or to the smallest w. For w = V
+//! − h, v is V at the end of the block. For w = 0, v is below V if h ≤ V/8. So any motion with zero
+//! acceleration and at most the speed V − h at the anchor keeps the limit. The same holds backward, for a
+//! motion that brakes to the anchor. This also covers a hold, another override, and new blocks after the lent
+//! part. When the planned override changes, the slow block gets all of its lent parts back
+//! ([`super::Lookahead::set_level`]).
 //!
-//! An anchor may also move: [`mod@self::shift`].
+//! **Choice.** A valley costs time inside the slow block and saves time outside. If the faster block has the
+//! speed F, the best h is about V·(1 − V/F)/4, at most V/8. A slow block that is too short for two anchors
+//! gets one valley from end to end. The planner tries up to three valleys, and uses the first one that takes
+//! less time than the current plan. The speeds at the other ends of the spans stay, because later blocks rely
+//! on them.
 //!
-//! A block that is cut uses two places of the ring, and both parts share its curve.
+//! **Memory.** A block that is cut uses two places of the ring. Both parts share its curve.
+//!
+//! An anchor may also move for another reason: [`mod@self::shift`].
 mod shift;
 
 use super::block::{Block, Marks};

@@ -1,8 +1,9 @@
-//! Moves an anchor (a place with zero acceleration) to a better place.
+//! Moves an anchor (a transition where acceleration is zero) into the next or previous block, if this saves
+//! time.
 //!
-//! An anchor may be slower than its limit, because the length on one side is too short. Then zero
-//! acceleration is better at another place. The anchor moves into the block on the other side, as far as the
-//! limit at its old place permits.
+//! The speed at an anchor may be below its limit, because the path on one side is too short to reach this
+//! limit. The motion takes less time if acceleration is zero inside the faster block on the other side
+//! instead. So the anchor moves into this block, as far as the limit at its old place permits.
 use super::{Shift, Step, Valley};
 use crate::lookahead::block::Marks;
 use crate::lookahead::ease::{self, Ease, Trial};
