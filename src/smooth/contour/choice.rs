@@ -1,10 +1,12 @@
-//! Selects the kind of curve for a corner. A curve over time is selected if the method demands one, or if it
-//! is quicker; otherwise a curve over arc length. With DEV, the motion may also stop in the corner.
+//! Selects the kind of curve for a corner: a curve over time, a curve over arc length, or a stop in the
+//! corner.
 //!
-//! PATH_DEV is the largest permitted deviation. The code estimates the time of each choice over all of the
-//! path that the corner may use, and selects the quickest choice. A curve with a smaller deviation than
-//! PATH_DEV and a stop in the corner are choices too. So a corner never takes longer than a stop, and a
-//! smaller tolerance never makes the corner quicker.
+//! The method decides which kinds are possible. DIST_SOFT and DIST_MASTER use a curve over time. DEV permits
+//! all three kinds, with PATH_DEV as the largest deviation. If several kinds are possible, the planner
+//! estimates the time of each over all of the path that the corner may use, and takes the quickest.
+//!
+//! Curves with a smaller deviation than PATH_DEV are compared too. So by this estimate, which regards one
+//! corner alone, no curve takes longer than a stop, and a smaller PATH_DEV is never quicker.
 use super::Parameters;
 use super::corner::{Corner, Tolerance};
 use super::curve::{Main, Quintic, aside, plus, size};

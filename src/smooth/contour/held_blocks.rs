@@ -1,5 +1,8 @@
-//! Stores the held blocks in order. When the first block leaves, only indices change, and no block is moved
-//! in memory. The place of that block then holds the elements that follow, one after the other.
+//! Stores up to three blocks that contour mode holds back, in order. When the first block leaves, only
+//! indices change, so no block is moved in memory.
+//!
+//! When the first block has been emitted, its place holds the elements of the corner's curve, one at a time,
+//! until each is emitted.
 use super::Made;
 use super::held_block::HeldBlock;
 
