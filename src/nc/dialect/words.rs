@@ -1,4 +1,5 @@
-//! The G and M words of LinuxCNC, Grbl and Fanuc: one table for the decoder and for lists of words.
+//! The table of all G and M words of LinuxCNC, Grbl and Fanuc, supported or refused. The decoder reads this
+//! table, and the lists of words in the documentation are checked against it.
 use super::course::CycleKind;
 use crate::machine::{Dialect, functions};
 use crate::nc::Plane;
