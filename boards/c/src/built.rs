@@ -1,4 +1,5 @@
-//! Functions that a build may leave out: filters of the axes, and single axes.
+//! The types of a build with or without filters of the axes and single axes; a build may leave out both
+//! functions.
 use crate::text::Program;
 use crate::{AXES, BLOCKS, OVERLAYS};
 use glidepath::channel::{self, Handles, MachineError};

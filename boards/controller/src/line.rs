@@ -1,5 +1,5 @@
-//! From bytes to lines: the characters that Grbl ignores are removed. A line that is too long still counts as
-//! one line.
+//! Collects bytes to lines, without the characters that Grbl ignores. A line that is too long counts as one
+//! line, and is refused.
 use heapless::Vec;
 
 /// Bytes of the longest configurable line.

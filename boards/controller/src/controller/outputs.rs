@@ -1,4 +1,4 @@
-//! The wanted levels of the pins of spindle, coolant and motors.
+//! Computes the levels of the output pins for spindle, coolant and motors.
 use super::{Around, Controller, Door, Mode};
 use crate::motion::{Motion, Spindle};
 
