@@ -3,7 +3,7 @@
 //!
 //! Let B be the motion of the workpiece by the rotary axes between workpiece and linear axes. Let H be the
 //! motion of the tool by the rotary axes between linear axes and tool. U is the matrix of the linear axes'
-//! directions, q are the positions of the linear axes, and p is the tool tip with all axes at 0. The tool tip
+//! directions, and q are the positions of the linear axes. p is the tool tip with all axes at 0. The tool tip
 //! is B(U·q + H(p)). So q = U⁻¹·(B⁻¹(tip) − H(p)). This inverse exists for all angles.
 use super::data::{self, CaHead, DataError, Universal};
 use super::vector::{Jet, Spin, Vector, number, position};

@@ -1,10 +1,10 @@
-//! `#HSC \[SURFACE\]`: Surface smooths runs of lines, and contour mode rounds the corners for which this is
+//! `#HSC \[SURFACE\]`: Surface smooths runs of lines, and contour mode rounds the corners where its curve is
 //! better.
 //!
-//! Contour mode rounds a corner between two lines if the corner is an edge (`surface/edges.rs`). It uses the
-//! method DEV with the tolerances of Surface. If CIR_MODE keeps arcs exact, contour mode also rounds the
-//! transitions at both ends of such an arc. At a tangential transition, its curve leads from one curvature to
-//! the other. With CIR_MODE=0, the transitions of arcs stay unchanged.
+//! Contour mode rounds a corner between two lines if the corner is an edge (`surface/edges.rs`), by the
+//! method DEV with the tolerances of Surface. If an arc stays exact, contour mode also rounds the transitions
+//! at both ends of the arc, except with CIR_MODE=0. At a tangential transition, its curve leads from one
+//! curvature to the other.
 //!
 //! A line with an edge at one end is halved. The half away from the edge is the first or the last chord of a
 //! run of Surface. The half at the edge is a block of contour mode, and the corner's curve may take nearly

@@ -16,10 +16,9 @@
 //! | count, a step of the motor | integer | set point · counts / length, to the nearest, half a count up |
 //! | slot of a step | 0…`SLOTS` − 1 | between two ticks, the set point changes linearly; the slot that holds the rounding boundary |
 //!
-//! The fraction of a count is kept exactly, as an integer in units of 1 / (length · 2^32) of a count, so
-//! errors do not add up. At the end of every tick, the sum of the steps is exactly the rounded set point plus
-//! the backlash taken up. The exception is a tick for which [`Steps::fill`] returns another state than
-//! [`State::InTime`].
+//! The fraction of a count is kept exactly, in units of 1 / (length · 2^32) of a count, so errors do not add
+//! up. At the end of every tick, the sum of the steps is exactly the rounded set point plus the backlash
+//! taken up. The exception is a tick for which [`Steps::fill`] returns another state than [`State::InTime`].
 //!
 #![doc = include_str!("../README.md")]
 #![no_std]

@@ -1,12 +1,22 @@
 //! Selects the kind of curve for a corner: a curve over time, a curve over arc length, or a stop in the
 //! corner.
 //!
-//! The method decides which kinds are possible. DIST_SOFT and DIST_MASTER use a curve over time. DEV permits
-//! all three kinds, with PATH_DEV as the largest deviation. If several kinds are possible, the planner
-//! estimates the time of each over all of the path that the corner may use, and takes the quickest.
+//! | method | possible kinds |
+//! |---|---|
+//! | DEV, PTP | all three |
+//! | DIST_SOFT | curve over time; a stop, unless ACC_MAX is below 100 % |
+//! | DIST_MASTER | curve over time |
+//! | DIST, POS | curve over arc length |
 //!
-//! Curves with a smaller deviation than PATH_DEV are compared too. So by this estimate, which regards one
-//! corner alone, no curve takes longer than a stop, and a smaller PATH_DEV is never quicker.
+//! A curve over time needs a corner between two lines, both rapid or both at feed, and a slope with a jerk
+//! limit. With DIST_MASTER, the master axis must have the same speed on both lines. DEV with CONST_VEL and an
+//! active transformation exclude a curve over time. If no curve over time is possible, a curve over arc
+//! length takes its place.
+//!
+//! The planner estimates how long each kind takes over all of the path that the corner may use, and selects
+//! the quickest. PATH_DEV is an upper limit: curves with a smaller deviation are compared too. So by this
+//! estimate, which regards one corner alone, a curve of DEV never takes longer than a stop. A smaller
+//! PATH_DEV is never quicker.
 use super::Parameters;
 use super::corner::{Corner, Tolerance};
 use super::curve::{Main, Quintic, aside, plus, size};

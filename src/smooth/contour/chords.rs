@@ -4,9 +4,9 @@
 //! The machine data `merge_chords` give a part of PATH_DEV to the merged lines. The curves at the corners of
 //! these lines have the rest of PATH_DEV.
 //!
-//! Between two points the contour is straight, so the deviation is largest at a point that was left out. The
-//! last [`POINTS`] points are stored one by one. When there are more, the points so far count as one
-//! deviation, which is added to that of later points.
+//! Between two points the contour is straight, so the deviation is largest at a point that was left out. Up
+//! to [`POINTS`] points are stored one by one. When this memory is full, the deviation so far is kept as one
+//! number, and the deviation of later points is added to this number.
 use super::curve::{aside, foot, plus, size};
 use super::held_block::{HeldBlock, LONGEST_TICKS, Stray, travel};
 use super::{Form, Parameters, ProgrammedBlock};

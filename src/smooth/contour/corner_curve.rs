@@ -1,13 +1,14 @@
 //! Makes the curve of a corner over its arc length, and cuts the curve into elements.
 //!
 //! The curve is one polynomial of the fifth degree. With POS, there are two such polynomials, which meet at
-//! the given interim point. Each element is a polynomial over its own arc length. There are as many elements
-//! as the accuracy of the path speed demands. Position, direction and curvature at a cut are computed once,
-//! for the elements on both sides.
+//! the given interim point. Each element is a polynomial over its own arc length. The required accuracy of
+//! the path speed decides how many elements there are. Position, direction and curvature at a cut are
+//! computed once, for the elements on both sides.
 //!
-//! If path length is not distance in space (the feed axes are not the main axes), the same path length means
-//! different distances in space before and after the corner. The polynomial's parameter then serves as path
-//! length, and each half of the curve is one element. The speed in space changes inside the curve.
+//! If the feed axes are not the main axes, path length is not distance in space. The same path length then
+//! means different distances in space before and after the corner. In this case the polynomial's parameter
+//! serves as path length, and each half of the curve is one element. The speed in space changes inside the
+//! curve.
 use super::corner::mean;
 use super::curve::{Main, Quintic, Site, even_speed, plus, size};
 use super::{LSB_32, ONE_32};

@@ -1,8 +1,9 @@
 //! Stores up to three blocks that contour mode holds back, in order. When the first block leaves, only
 //! indices change, so no block is moved in memory.
 //!
-//! When the first block has been emitted, its place holds the elements of the corner's curve, one at a time,
-//! until each is emitted.
+//! When the first block has been emitted, its place holds the elements between this block and the next one:
+//! the corner's curve, or the line over left-out blocks. The place holds one such element at a time, until
+//! the element is emitted.
 use super::Made;
 use super::held_block::HeldBlock;
 

@@ -17,10 +17,12 @@
 //! **Short blocks.** A block that is too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) is left out. The
 //! curve then leads from the last block before such blocks to the first block that ends farther away. If no
 //! curve is possible, a straight line replaces the blocks. A short line before a corner is joined to the
-//! block after the corner. With DEV, short means RELEVANT_PATH here; with other methods at most 16 µm, and
-//! POS joins none. The deviation of left-out blocks counts against the tolerance, so the tolerance also
-//! limits RELEVANT_PATH. (ISG's manuals do not describe this rule.) RELEVANT_PATH is at least 32 µm, or a
-//! quarter of the given corner distances if this is less.
+//! block after the corner. With DEV, short means RELEVANT_PATH here; with the other methods at most 16 µm.
+//! POS neither leaves out nor joins blocks.
+//!
+//! The deviation of left-out blocks counts against the tolerance, so the tolerance also limits RELEVANT_PATH.
+//! (ISG's manuals do not describe this rule.) RELEVANT_PATH is at least 32 µm, or a quarter of the given
+//! corner distances if this is less.
 //!
 //! A run of left-out blocks ends at a stop, at the program end, and where contour mode is switched off or
 //! gets other parameters. The corner before the run is rounded. The straight line over the run is then the
@@ -29,13 +31,13 @@
 //!
 //! With DEV, one line may also replace nearly straight chords, if the machine data permit this (`chords.rs`).
 //!
-//! **Parameters.** For CHECK_JERK and CONST_VEL, the values in force when the planner makes the curve count:
-//! this is after the block behind the corner has been read. For all other keywords, PRE_ACTION, INTER_ACTION
-//! and POST_ACTION included, the values in force at the block before the corner count. A keyword that the
+//! **Parameters.** CHECK_JERK and CONST_VEL act with the values that are in force when the planner makes the
+//! curve, after it has read the block behind the corner. All other keywords, PRE_ACTION, INTER_ACTION and
+//! POST_ACTION included, act with the values in force at the block before the corner. A keyword that the
 //! current method does not have counts as not programmed.
 //!
 //! G260 or `#CONTOUR MODE OFF` on a line of its own between two blocks cancels the curve between the blocks.
-//! If the command is in the line of the second block, the curve stays.
+//! If the command is in the line of the block after the corner, the curve stays.
 //!
 //! **Stops.** A dwell between two blocks, or another command that demands a stop, belongs to the programmed
 //! corner. The motion cannot stop there on a curve that replaces the corner. So the corner stays sharp, and

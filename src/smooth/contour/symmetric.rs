@@ -1,17 +1,17 @@
 //! The curve over arc length for a corner between two lines, with the same distance c from the corner to both
 //! ends, in closed form.
 //!
-//! The curve is the polynomial of the fifth degree of [`super::corner`]. t1 and t2 are the directions of the
-//! lines, and θ is the change of direction. With p = (t1 + t2)/2 and n = (t2 − t1)/2, which are at a right
-//! angle, C = |p| = cos(θ/2) and x = 2·u − 1, the derivative over the parameter u = 0…1 is
+//! The curve is the polynomial of the fifth degree of [`super::corner`]. Let t1 and t2 be the directions of
+//! the lines, and θ the change of direction. The vectors p = (t1 + t2)/2 and n = (t2 − t1)/2 are at a right
+//! angle. With C = |p| = cos(θ/2) and x = 2·u − 1, the derivative over the parameter u = 0…1 is
 //!
 //! ```text
 //! Q'(u) = p·(v + w·15/8·(1 − x²)²) + n·v·x·(3 − x²)/2      w = 2·c − v,   v = 30·C·c/(8 + 7·C)
 //! ```
 //!
-//! |Q'| is v at both ends and in the middle. The middle is at (c − 5/16·v)·n from the corner, with the direction
-//! p/C and the curvature 3·n/v. So the deviation in the middle is known without a search. Both halves are
-//! equal, and for a given c their length depends on C alone.
+//! The speed |Q'| is v at both ends and in the middle. The middle is at (c − 5/16·v)·n from the corner, with
+//! the direction p/C and the curvature 3·n/v. So the deviation in the middle is known without a search. Both
+//! halves are equal, and for a given c their length depends on C alone.
 //!
 //! Each half is emitted as one polynomial of the fifth degree over its own length. Up to a turn of 100°, the
 //! speed along this polynomial differs from the path speed by at most 0.9 ‰.

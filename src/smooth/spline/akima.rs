@@ -13,9 +13,9 @@
 //! Lengths count along the path axes, so the shape of the curve does not depend on its direction in the
 //! machine. Other axes use the same weights.
 //!
-//! At an end of the curve, two chords are missing. By default they are extrapolated: m₋₁ = 2·m₊₁ − m₊₂, and
-//! so on. If the program demands a slope at the end (tangential, or a given vector), the missing chords are
-//! chosen so that the curve has this slope.
+//! At an end of the curve, chords are missing. By default they are extrapolated: m₋₁ = 2·m₊₁ − m₊₂, and so
+//! on. The program may also demand the slope at an end (tangential, or a given vector). The missing chords
+//! are then chosen so that the curve has this slope.
 //!
 //! Akima, A new method of interpolation and smooth curve fitting based on local procedures, J. ACM 17 (1970).
 use super::window::{Leg, Window};

@@ -12,14 +12,14 @@
 //!
 //! The curve over a block depends on a few points before and after it, so blocks are held back until these
 //! points are known. A command that demands a stop (a dwell, a wait, the end of the program) ends the curve
-//! at the last point, and the next block begins a new curve. At an exact stop (G60, G360), the motion stops
+//! at the last point. The next block then begins a new curve. At an exact stop (G60, G360), the motion stops
 //! on the curve; on a B-spline, at the place nearest to the point.
 //!
 //! A line stays straight, between two curves, in three cases:
 //!
 //! - the line moves no axis of the path;
 //! - its path length exceeds the travel of these axes by more than a thousandth;
-//! - its length is below half a micrometre.
+//! - these axes travel less than half a micrometre.
 //!
 //! An arc is passed on unchanged. An Akima spline is tangential to the arc at both ends of the arc.
 //!

@@ -1,7 +1,7 @@
 //! Computes B-splines. The points are the corners of a polygon, the control polygon, which the curve follows.
 //!
-//! The curve is a cubic B-spline with knots at equal distances. For the leg (side of the polygon) from C₁ to
-//! C₂, with C₀ before it and C₃ after it, the Bézier points of the curve are
+//! The curve is a cubic B-spline with knots at equal distances. Let a leg (side of the polygon) lead from C₁
+//! to C₂, with C₀ before it and C₃ after it. The Bézier points of the curve over this leg are
 //!
 //! ```text
 //! B₀ = C₁ + Δ₁/6,  B₁ = C₁ + D/3,  B₂ = C₁ + 2D/3,  B₃ = C₂ + Δ₂/6        D = C₂ − C₁,  Δᵢ = Cᵢ₋₁ − 2·Cᵢ + Cᵢ₊₁
@@ -21,7 +21,7 @@
 //! ```
 //!
 //! A longer leg gets an additional control point at the distance d, which splits the leg. At such a point, Δ
-//! is set to 0, so the curve passes through it, and is a straight line between two such points. For a
+//! is set to 0. So the curve passes through this point, and is a straight line between two such points. For a
 //! tracking axis, the same formula applies with the change of its slope dx/ds in place of t₂ − t₁, and with
 //! TRACK_DEV.
 //!

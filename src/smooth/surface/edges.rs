@@ -2,10 +2,13 @@
 //! corners.
 //!
 //! A corner of more than 102 degrees is an edge. There the path of a smoothing curve would be much shorter
-//! than its polygon. A smaller corner is an edge if both lines are long compared with the smoothing curve,
-//! and if contour mode passes the corner in less time. With the slope STEP, the lengths alone decide. Contour
-//! mode can be quicker, because the speed can change inside its curve. A corner beyond MAX_ANGLE is no edge
-//! and is not rounded.
+//! than its polygon.
+//!
+//! A smaller corner is an edge under two conditions. Both lines are long compared with the smoothing curve.
+//! Contour mode passes the corner in less time than the smoothing curve, because the speed can change inside
+//! a curve of contour mode. With the slope STEP, the lengths alone decide.
+//!
+//! A corner beyond MAX_ANGLE, and a line straight back, are no edges and are not rounded.
 use super::chords::Chord;
 use super::parameters::{Parameters, Tolerance, Used};
 use super::window::{Programmed, Space};
