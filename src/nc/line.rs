@@ -1,8 +1,8 @@
 //! Splits bytes into logical lines: drops comments, joins continuation lines, and keeps the place of every
 //! byte.
 //!
-//! A line ends with LF, CR LF or a lone CR. In ISG's language, a comment also ends at the line end. If the
-//! closing bracket is missing, a warning says so, because the rest of the line belongs to the comment.
+//! A line ends with LF, CR LF or a lone CR. The line end also closes a comment, as on ISG's controllers. If
+//! the closing bracket is missing, a warning says so, because the rest of the line belongs to the comment.
 #[cfg(feature = "grbl")]
 mod comment;
 mod skip;

@@ -4,26 +4,21 @@
 //! which agrees with ISG's public lists:
 //!
 //! - The path length of a block is the common travel of its feed axes. F, path speed and the limits of
-//!   `#VECTOR LIMIT`
-//! refer to this length. Every other axis moves along, even a main axis. With one feed axis, the path speed
-//! is the speed of that axis.
+//!   `#VECTOR LIMIT` refer to this length. Every other axis moves along, even a main axis. With one feed
+//!   axis, the path speed is the speed of that axis.
 //! - If no axis is a feed axis, the main axes are the feed axes, as in the rest of ISG's texts.
 //! - If a block moves no feed axis, its path length counts along the main axes. If the block moves no main
-//!   axis either,
-//! the length counts along all other axes together.
+//!   axis either, the length counts along all other axes together.
 //! - If an axis moves more than 64 times as far as the feed axes, a 64th of its travel counts as path.
-//!   Otherwise the
-//! axis would magnify the rounding of path distances and speeds. If the main axes are the feed axes, the
-//! factor is 1024.
+//!   Otherwise the axis would magnify the rounding of path distances and speeds. If the main axes are the
+//!   feed axes, the factor is 1024.
 //! - An arc needs both axes of its plane as feed axes. Along a single axis, the arc goes back and forth, and
-//!   no feed can
-//! describe its speed. ISG even demands all main axes.
+//!   no feed can describe its speed. ISG even demands all main axes.
 //! - **Tolerances and deviations are distances in space** between points of the main axes, whatever the feed
-//!   axes are.
-//! Examples are PATH_DEV, RELEVANT_PATH, and the distance of points that a merged line leaves out.
+//!   axes are. Examples are PATH_DEV, RELEVANT_PATH, and the distance of points that a merged line leaves
+//!   out.
 //! - **Corner distances are lengths of the path**: PRE_DIST, POST_DIST, PATH_DIST ("on the feed axes' path"),
-//!   SYM_DIST,
-//! and parts of blocks.
+//!   SYM_DIST, and parts of blocks.
 use super::{FINER, path_length, travelled};
 #[cfg(feature = "grbl")]
 use crate::machine::Dialect;

@@ -1,5 +1,5 @@
-//! Takes bytes from the serial interrupt. The interrupt separates real-time bytes, which act at once, from
-//! lines.
+//! Takes bytes from the serial interrupt. The interrupt separates real-time bytes (feed hold, reset,
+//! overrides) from lines.
 //!
 //! ```text
 //!  interrupt                                  task

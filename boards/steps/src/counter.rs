@@ -1,9 +1,9 @@
 //! Converts set points of one axis to counts (steps of the motor), exactly: a digital differential analyser.
 //!
-//! The axis makes `counts` steps per `length` mm. So a set point in units of 2^-32 mm, times `counts`, is a
-//! distance in *grains*, and one count has `length` · 2^32 grains. The counter keeps the distance from the
-//! last rounding boundary to the set point, in grains. Boundaries are half a count below each whole count, so
-//! the boundaries that are passed are the counts of the rounded set point.
+//! The axis makes `counts` steps per `length` mm or degrees. A set point has LSB 2^-32 mm or degrees. A set
+//! point times `counts` is a distance in *grains*, and one count has `length` · 2^32 grains. The counter
+//! keeps the distance from the last rounding boundary to the set point, in grains. Boundaries are half a
+//! count below each whole count. So the boundaries that are passed are the counts of the rounded set point.
 use core::num::NonZeroU32;
 
 /// Grains of one axis.

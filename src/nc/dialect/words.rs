@@ -1,5 +1,5 @@
-//! The table of all G and M words of LinuxCNC, Grbl and Fanuc, supported or refused. The decoder reads this
-//! table, and the lists of words in the documentation are checked against it.
+//! The table of all G and M words of LinuxCNC, Grbl and Fanuc, accepted or refused. The decoder uses this
+//! table, and a test compares the list in `docs/dialects.md` with it.
 use super::course::CycleKind;
 use crate::machine::{Dialect, functions};
 use crate::nc::Plane;

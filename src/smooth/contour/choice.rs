@@ -8,15 +8,15 @@
 //! | DIST_MASTER | curve over time |
 //! | DIST, POS | curve over arc length |
 //!
-//! A curve over time needs a corner between two lines, both rapid or both at feed, and a slope with a jerk
-//! limit. With DIST_MASTER, the master axis must have the same speed on both lines. DEV with CONST_VEL and an
+//! A curve over time needs a corner between two lines, both rapid or both at feed, and a slope other than
+//! STEP. With DIST_MASTER, the master axis must have the same speed on both lines. DEV with CONST_VEL and an
 //! active transformation exclude a curve over time. If no curve over time is possible, a curve over arc
 //! length takes its place.
 //!
 //! The planner estimates how long each kind takes over all of the path that the corner may use, and selects
-//! the quickest. PATH_DEV is an upper limit: curves with a smaller deviation are compared too. So by this
-//! estimate, which regards one corner alone, a curve of DEV never takes longer than a stop. A smaller
-//! PATH_DEV is never quicker.
+//! the quickest. PATH_DEV is an upper limit: curves with a smaller deviation are compared too. This estimate
+//! regards one corner alone. By this estimate, a curve of DEV without CONST_VEL never takes longer than a
+//! stop, and a smaller PATH_DEV is never quicker.
 use super::Parameters;
 use super::corner::{Corner, Tolerance};
 use super::curve::{Main, Quintic, aside, plus, size};

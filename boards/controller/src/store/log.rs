@@ -1,8 +1,9 @@
 //! Stores records in flash memory so that a power cut at any moment loses at most the record that is being
 //! written.
 //!
-//! The memory has two halves, of which one is active. The first slot of the active half has a valid head. If
-//! both halves have a valid head, the half with the higher generation in its head is active.
+//! The memory has two halves, of which one is active. The first slot of the active half has a valid head with
+//! a generation, a number that grows with each change of the active half. If both halves have a valid head,
+//! the half with the higher generation is active.
 //!
 //! ```text
 //!  half:  [ head | record | record | record | blank | blank ]    slots of equal size
