@@ -32,8 +32,8 @@
 //! With DEV, one line may also replace nearly straight chords, if the machine data permit this (`chords.rs`).
 //!
 //! **Parameters.** CHECK_JERK and CONST_VEL act with the values that are in force when the planner makes the
-//! curve, after it has read the block behind the corner. All other keywords, PRE_ACTION, INTER_ACTION and
-//! POST_ACTION included, act with the values in force at the block before the corner. A keyword that the
+//! curve. By then the planner has read the block behind the corner. All other keywords act with the values in
+//! force at the block before the corner; so do PRE_ACTION, INTER_ACTION and POST_ACTION. A keyword that the
 //! current method does not have counts as not programmed.
 //!
 //! G260 or `#CONTOUR MODE OFF` on a line of its own between two blocks cancels the curve between the blocks.

@@ -20,12 +20,15 @@
 //! - a turn beyond MAX_ANGLE;
 //! - a dwell, or a function with acknowledgement;
 //! - an exact stop (for the B-spline of `#HSC`, only with AUTO_OFF_G60);
-//! - an arc that stays exact, a block without main axes, or with AUTO_OFF_G00 a rapid block.
+//! - an arc that stays exact;
+//! - a block without main axes;
+//! - with AUTO_OFF_G00, a rapid block.
 //!
 //! A change of feed, or a function without acknowledgement, begins a new element; the run continues.
 //!
 //! Late text also ends a run, if the motion would otherwise stop. Only in this case does the path depend on
-//! the arrival time of text.
+//! the arrival time of text. Where Surface works for `#CONTOUR MODE [DEV]` (`smooth/row.rs`), it waits for
+//! late text instead.
 mod cell;
 mod chords;
 mod edges;
