@@ -1,5 +1,5 @@
-//! The types of a build with or without filters of the axes and single axes; a build may leave out both
-//! functions.
+//! Types and functions that depend on the build: a build may leave out the filters of the axes, and single
+//! axes.
 use crate::text::Program;
 use crate::{AXES, BLOCKS, OVERLAYS};
 use glidepath::channel::{self, Handles, MachineError};

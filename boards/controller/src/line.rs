@@ -1,5 +1,5 @@
-//! Collects bytes to lines, without the characters that Grbl ignores. A line that is too long counts as one
-//! line, and is refused.
+//! Collects bytes to lines. In Grbl's form, blanks, comments and `/` are removed, and letters become upper
+//! case. A line that is too long counts as one line, and is refused.
 use heapless::Vec;
 
 /// Bytes of the longest configurable line.

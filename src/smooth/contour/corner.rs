@@ -1,8 +1,8 @@
 //! Finds the corner distances of a curve over arc length: how far the curve reaches into both blocks.
 //!
-//! The curve is a polynomial of the fifth degree. At both ends it has direction and curvature of the blocks.
-//! The speed along the curve over the parameter is nearly constant: in a corner of 90°, it varies by about
-//! 0.2 %.
+//! The curve is a polynomial of the fifth degree, with direction and curvature of the blocks at both ends.
+//! The speed along the curve over the parameter is nearly constant: in a corner of 90°, the speed varies by
+//! about 0.2 %.
 //!
 //! The deviation grows with the corner distances. A search finds the distances at which the curve uses all of
 //! the tolerance, with a few trials per call.

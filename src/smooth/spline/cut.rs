@@ -1,7 +1,7 @@
 //! Cuts a piece of a spline, a cubic over a parameter u = 0…1, into elements over their own arc length.
 //!
-//! An element is a polynomial of the fifth degree. At both ends it has position, direction and curvature of
-//! the cubic. The planner accepts an element under two conditions. The speed along the element differs from
+//! An element is a polynomial of the fifth degree, with position, direction and curvature of the cubic at
+//! both ends. The planner accepts an element under two conditions. The speed along the element differs from
 //! the path speed by at most the fraction [`EVEN`]. The distance of the element from the cubic is below
 //! [`NEAR`]. Otherwise the planner tries an element of half the length.
 use crate::math::float::max;

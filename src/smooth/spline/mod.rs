@@ -23,9 +23,9 @@
 //!
 //! An arc is passed on unchanged. An Akima spline is tangential to the arc at both ends of the arc.
 //!
-//! An Akima spline has a continuous direction; its curvature has steps at its points. If machine data limit
-//! the jerk of such a step (P-CHAN-00009), both sides get the same curvature at the point: the mean. This
-//! moves the curve near the point by at most `cut::BENT`.
+//! An Akima spline has a continuous direction; its curvature has steps at its points. If P-CHAN-00009 limits
+//! the jerk of such a step, and the slope is not STEP, both sides get the same curvature at the point: the
+//! mean. This moves the curve near the point by at most `cut::BENT`.
 mod akima;
 mod cut;
 mod parameters;

@@ -13,9 +13,9 @@
 //! in reverse direction, so a path has the same points in both directions. On a constant curvature no point
 //! moves. On a free-form surface, which is bent on both sides of a point, points hardly move.
 //!
-//! There is no lead in two cases. Before a curve with narrow kernels, the tolerance leaves no room on the run
-//! either. Before a curve with very short chords, the window of 64 vertices has no room for kernels as wide
-//! as on the run. The lead is smaller before a gentle curve.
+//! Two kinds of curve get no lead. Before a curve with narrow kernels, the tolerance leaves no room on the
+//! run either. Before a curve with very short chords, the window of 64 vertices has no room for kernels as
+//! wide as on the run. Before a gentle curve, the lead is smaller.
 use super::parameters::{Parameters, Tolerance};
 use super::window::{VERTICES, Vertex, Window};
 use crate::math::float::{max, min};

@@ -1,9 +1,9 @@
 //! The homing cycle, which finds the positions of the limit switches.
 //!
 //! The third axis goes first, then all others together. Each axis moves to its switch, brakes, and moves away
-//! from the switch. Then it approaches the switch again slowly, and moves away again. The timer interrupt
-//! stores the position at which the input changes. This stored position counts as the position of the switch,
-//! so the braking distance causes no error.
+//! from the switch. The axis then approaches the switch again slowly, and moves away again. The timer
+//! interrupt stores the position at which the input changes. This stored position counts as the position of
+//! the switch, so the braking distance causes no error.
 use super::Machine;
 use crate::motion;
 use glidepath::channel::MoveError;
