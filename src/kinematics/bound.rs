@@ -1,15 +1,19 @@
-//! Computes an upper bound for the error of the tool tip when quintic polynomials replace the exact motion of
-//! the linear axes.
+//! Computes an upper bound for the error of the tool tip under a transformation. The error arises because
+//! polynomials of the fifth degree (quintics) replace the exact motion of the linear axes.
 //!
-//! A `Series` bounds a curve over the parameter 0 to 1: coefficient j is at least the largest magnitude of the
-//! j-th derivative, divided by j!. By Leibniz' rule the product of the series bounds a product of curves. A turn
-//! by an angle θ multiplies by exp(Θ), with Θ the series of θ without its first coefficient. The reason: the
-//! derivatives of a turn obey the recurrence of the exponential function, and a turn changes no length.
+//! A `Series` bounds a curve over the parameter 0 to 1: coefficient j is at least the largest magnitude of
+//! the j-th derivative, divided by j!. By Leibniz' rule, the product of two series bounds the product of two
+//! curves. A turn by an angle θ multiplies the series by exp(Θ), with Θ the series of θ without its first
+//! coefficient. The reason: the derivatives of a turn obey the recurrence of the exponential function, and a
+//! turn changes no length.
 //!
-//! Let a quintic have value, first and second derivative of a curve at both ends of an interval h. Its
-//! deviation from the curve is at most h⁶/46080 times the largest sixth derivative of the curve. Rotary axes
-//! change no length and follow their angles exactly. So the tool tip deviates by the same distance as the
-//! linear axes. The bound is `c₆/64` for the whole curve and `c₆/(64·n⁶)` for each of n equal parts.
+//! Let a quintic have value, first and second derivative of a curve at both ends of an interval h. The
+//! quintic then deviates from the curve by at most h⁶/46080 times the largest sixth derivative of the curve.
+//! Rotary axes change no length and follow their angles exactly. So the tool tip deviates by the same
+//! distance as the linear axes.
+//!
+//! The bound is `c₆/64` for the whole curve, with the coefficient c₆ of its series, and `c₆/(64·n⁶)` for each
+//! of n equal parts.
 use super::cells::Course;
 use super::chain::{Chain, ROTARIES, Rotary};
 use super::vector::{RADIANS, Vector};

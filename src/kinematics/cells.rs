@@ -1,10 +1,10 @@
-//! Divides a curve of tool tip and angles over path distance into cells: quintic polynomials of the axes over
-//! the same distance. Each call makes one cell.
+//! Divides a curve of tool tip and angles into cells. In a cell, each axis moves along a polynomial of the
+//! fifth degree over path distance. Each call makes one cell.
 //!
 //! The inverse transformation and the chain rule give position, direction and curvature at the ends of a
-//! polynomial. All polynomials of a curve have equal length; [`super::bound`] computes their number. Their
-//! coefficients are integers, LSB 2^-42 mm or degree. The linear coefficient makes the end exact to the last
-//! bit, so two neighbours meet exactly.
+//! cell. All cells of a curve have equal length; [`super::bound`] computes their number. The coefficients are
+//! integers, LSB 2^-42 mm or degrees. The linear coefficient makes the end exact to the last bit, so two
+//! neighbours meet exactly.
 use super::bound::stray;
 use super::chain::{AXES, Chain, ROTARIES};
 use super::vector::{Jet, RADIANS, Spin, Vector, nearest, number, position};

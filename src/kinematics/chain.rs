@@ -1,10 +1,10 @@
-//! A machine as a serial chain of axes from the workpiece to the tool: positions of the axes from tool tip
-//! and angles, and back.
+//! A machine as a serial chain of axes from the workpiece to the tool. The chain computes the positions of
+//! the axes from tool tip and angles, and the tool tip from the positions.
 //!
-//! Let B be the turn by the rotary axes between workpiece and linear axes, and H the turn by those between
-//! linear axes and tool. U is the matrix of the linear axes' directions, and q are the positions of the
-//! linear axes. The tool tip is B(U·q + H(tip at 0)). So q = U⁻¹·(B⁻¹(tip) − H(tip at 0)). This inverse
-//! exists for all angles.
+//! Let B be the motion of the workpiece by the rotary axes between workpiece and linear axes. Let H be the
+//! motion of the tool by the rotary axes between linear axes and tool. U is the matrix of the linear axes'
+//! directions, and q are the positions of the linear axes. p is the tool tip with all axes at 0. The tool tip
+//! is B(U·q + H(p)). So q = U⁻¹·(B⁻¹(tip) − H(p)). This inverse exists for all angles.
 use super::data::{self, CaHead, DataError, Universal};
 use super::vector::{Jet, Spin, Vector, number, position};
 use crate::quantity::Position;

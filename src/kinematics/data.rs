@@ -1,4 +1,4 @@
-//! Machine data of transformations, under the names and in the units of ISG: 0.1 µm, 10^-4 degree.
+//! Machine data of transformations, with ISG's names and units: 0.1 µm, 10^-4 degree.
 use super::vector::Vector;
 use core::fmt;
 

@@ -1,9 +1,9 @@
-//! Converts elements of the path under a transformation. [`Kinematic::course`] turns an element of tool tip
-//! and angles into a [`Course`]. [`Cell::become_element`] turns a [`Cell`] of the course into an element of
+//! Connects a transformation with the path of the channel. [`Kinematic::course`] turns an element of tool tip
+//! and angles into a [`Course`]. [`Cell::become_element`] turns a [`Cell`] of this course into an element of
 //! the axes.
 //!
-//! An axis of the channel and an axis of the chain with the same index are the same axis. In a program, the
-//! main axes give the tool tip. Channel axes that are not in the chain keep their own curves.
+//! Channel and chain number the axes in the same way. In a program, the main axes give the tool tip. Axes of
+//! the channel that are not in the chain keep their own curves.
 use super::cells::{Cell, Course, Round};
 use super::chain::{AXES, Chain, ROTARIES};
 use super::vector::{Vector, number, position};

@@ -1,4 +1,4 @@
-//! Computes the angles of two rotary axes for a direction of the tool.
+//! Computes the angles of two rotary axes at which the tool points in a given direction.
 use super::chain::{Chain, ROTARIES, Rotary};
 use super::vector::{RADIANS, Vector, nearest, number, position, sqrt};
 use crate::math::angle::atan2_turns;

@@ -1,4 +1,4 @@
-//! Vectors, angles and turns about an axis, with first and second derivative.
+//! Vectors, angles and turns about an axis, each with first and second derivative.
 use crate::math::angle::sin_cos_fine;
 use crate::quantity::Position;
 

@@ -1,5 +1,5 @@
-//! Machine data for programs of LinuxCNC, Grbl and Fanuc. These parameters are Glidepath's own, without ISG
-//! ids.
+//! Machine data that only programs of LinuxCNC, Grbl and Fanuc need. These parameters are Glidepath's own;
+//! ISG has no numbers for them.
 
 /// The dialect: the language in which programs are written.
 ///

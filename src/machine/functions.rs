@@ -1,13 +1,13 @@
 //! Functions that a build may leave out. Each function is a Cargo feature. The features are on by default,
 //! except for those marked `off by default` in the table.
 //!
-//! A build without a function refuses programs and machine data that need the function, and names the missing feature.
-//! Words that switch the function off are accepted. The code tests one of these constants where a function starts, so
-//! the linker drops the rest of the function.
+//! A build without a function refuses programs and machine data that need the function, and names the missing
+//! feature. Words that switch the function off are accepted. The code tests one of these constants where a
+//! function starts, so the linker drops the rest of the function.
 //!
 //! | feature | commands | without it |
 //! |---|---|---|
-//! | `isg` (always there without `grbl`) | programs of ISG's controllers | programs are those of Grbl or LinuxCNC |
+//! | `isg` (always there without `grbl`, brings `slopes`) | programs of ISG's controllers | programs are those of Grbl or LinuxCNC |
 //! | `slopes` (always there without `grbl`, needed by `isg`) | the slopes STEP and SIN2: P-CHAN-00071 = 0, 2 | |
 //! | `contour` (needs `isg`) | G61, G261, `#CONTOUR MODE`, `#HSC` | blocks end at their programmed points |
 //! | `surface` (needs `contour` and `hsc`) | `#HSC [SURFACE]` | |
@@ -15,15 +15,15 @@
 //! | `hsc` | the slope HSC: `#SLOPE [TYPE=HSC]`, P-CHAN-00071 = 3 | |
 //! | `expressions` (needs `isg`) | `P` parameters, operators and functions, `$` statements | words have plain numbers; subroutines stay |
 //! | `filters` | `#FILTER`, P-AXIS-00586 | |
-//! | `beside` | `[OSC …]`, `[INDP …]`, `#WAIT INDP` | |
+//! | `beside` | single axes: `[OSC …]`, `[INDP …]`, `#WAIT INDP` | |
 //! | `grbl` (off by default) | the words of Grbl 1.1 | programs are ISG's |
 //! | `dialects` (off by default, brings `grbl`) | the words of LinuxCNC; parameters, O words, `M98` and cycles of Grbl's programs | |
-//! | `fanuc` (off by default, needs `dialects`) | the words of Fanuc's controllers | |
-//! | `kinematics` (off by default, needs `hsc`) | `#KIN ID`, `#TRAFO` | |
-//! | `plc` (off by default) | `#CONTOUR LOOKAHEAD LOG`, `#DISTANCE PROG START CLEAR`, `#RT WHILE`, `#FLUSH`, `V.` variables | |
+//! | `fanuc` (off by default, brings `dialects`) | the words of Fanuc's controllers | |
+//! | `kinematics` (off by default, needs `hsc` and `isg`) | `#KIN ID`, `#TRAFO` | |
+//! | `plc` (off by default, needs `isg`) | `#CONTOUR LOOKAHEAD LOG`, `#DISTANCE PROG START CLEAR`, `#RT WHILE`, `#FLUSH`, `V.` variables | |
 //!
-//! The feature `fast` is not a function. With `fast` the compiler copies more functions into their callers, and the
-//! table of sines is larger. Set points have the same bits with and without `fast`.
+//! The feature `fast` is not a function. With `fast` the compiler copies more functions into their callers,
+//! and the table of sines is larger. Set points have the same bits with and without `fast`.
 
 /// A function that may be left out of a build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,4 +1,5 @@
-//! Machine data of the interpolator (feature `plc`): its additional functions, and the memory for them.
+//! Machine data of ISG's interpolator (feature `plc`): which additional functions are on, for example the log
+//! of the path ahead, and how much memory they have.
 
 /// Smallest size of the storage for blocks (P-STUP-00033), bytes, if it is not 0.
 pub const FB_STORAGE_MIN: u32 = 1024;

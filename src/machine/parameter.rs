@@ -1,4 +1,5 @@
-//! The table of parameters: name in a machine file, ISG id, unit, range, default, and the field that it sets.
+//! The table of all machine data: name in a machine file, ISG number, unit, range, default, and the field
+//! that the parameter sets.
 use super::{AccelerationUnit, AxisData, ChannelData, FilterType, MODE_LINEAR, MODE_MASTER, NO_LIMIT};
 
 /// A row of the table: one parameter of `Target` ([`AxisData`] or [`ChannelData`]). Loaders of machine files

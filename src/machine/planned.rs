@@ -1,11 +1,11 @@
-//! Replaces machine data that the tick cannot use by values that it can use.
+//! Replaces machine data that are too small or too large for the cycle time, and reports each replacement.
 //!
 //! | parameter | value used | why |
 //! |---|---|---|
 //! | ramp times: P-AXIS-00195 to P-AXIS-00201 | at least [`SHORTEST_RAMP`] cycles | set points cannot show a shorter ramp |
 //! | P-AXIS-00199 = 0 | P-AXIS-00201 | the default of P-AXIS-00199 |
 //! | speeds: P-AXIS-00209, 00212 | at most 16 mm per tick | range of [`crate::quantity::Speed`] |
-//! | accelerations: P-AXIS-00001 to 00008 | at most 16 mm/tick² | range of [`crate::quantity::Accel`] |
+//! | accelerations: P-AXIS-00001, 00002, 00004, 00008 | at most 16 mm/tick² | range of [`crate::quantity::Accel`] |
 use super::parameter::AXIS;
 use super::{AxisData, ChannelData};
 

@@ -1,4 +1,4 @@
-//! Synchronisation of M and H functions with the motion: P-CHAN-00041 `m_synch[n]`, P-CHAN-00027
+//! How an M or H function is synchronised with the motion: P-CHAN-00041 `m_synch[n]`, P-CHAN-00027
 //! `h_synch[n]`.
 
 /// The point at which a function is output, and the point at which the function must be acknowledged. The motion waits

@@ -1,8 +1,8 @@
 //! Software limits of the axes: P-AXIS-00177 and P-AXIS-00178.
 //!
-//! The limits are machine positions without offsets. An axis may move exactly up to a limit. The planner
-//! checks the whole path of a block before it plans the block. An axis that is already beyond a limit may
-//! only move back.
+//! The limits are machine positions, without offsets. An axis may move exactly up to a limit. The whole path
+//! of a block is checked before the block is planned. An axis that is already beyond a limit may only move
+//! back.
 use super::{MachineData, NO_LIMIT};
 use crate::math::divide::div_wide;
 use crate::quantity::Position;

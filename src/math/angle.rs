@@ -1,4 +1,4 @@
-//! Angles at full precision, for the planner.
+//! Sine, cosine and arc tangent at full precision, for the planner.
 //!
 //! An angle is a 64-bit fraction of a revolution, LSB 2^-64. So the number wraps around like the angle.
 use super::divide::reciprocal_near;

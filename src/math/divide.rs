@@ -1,9 +1,10 @@
-//! Quotients of 128 by 64 bits, exact, without the 64-bit and 128-bit division of the compiler's library.
+//! Quotients of 128-bit by 64-bit integers, exact, without the division routines of the compiler's library.
 //!
-//! Two "3 by 2" steps give the two quotient digits of 32 bits. Each step uses a precomputed reciprocal word.
-//! See N. Möller, T. Granlund, "Improved division by invariant integers", IEEE Trans. Computers 60 (2011):
-//! algorithm 5 is the step, algorithm 6 the reciprocal. The reciprocal word starts from one hardware
+//! Two steps give the two quotient digits of 32 bits each. Each step multiplies by a precomputed reciprocal
+//! word. See N. Möller, T. Granlund, "Improved division by invariant integers", IEEE Trans. Computers 60
+//! (2011): algorithm 5 is the step, algorithm 6 the reciprocal. The reciprocal word starts from one hardware
 //! division, accurate to 15 bits. Newton steps refine it, and a final remainder makes it exact.
+//!
 //! [`reciprocal_near`] is for uses that need no exact value.
 
 /// The reciprocal word of a 32-bit divisor: floor((2^64 − 1) / d) − 2^32 for d ≥ 2^31.

@@ -1,9 +1,9 @@
 //! Arithmetic with the same bits on every machine, built from operations that a Cortex-M4F does in one
 //! instruction.
 //!
-//! On a 32-bit core, the compiler turns 128-bit products and 64-bit quotients into library calls. These
-//! functions use 32×32→64 products and one 32-bit hardware division instead. Where they use `f32`, they use
-//! only IEEE operations, which round alike on every machine.
+//! On a 32-bit core, the compiler turns 128-bit products and 64-bit quotients into library calls. The
+//! functions here use products of 32 by 32 bits and one 32-bit hardware division instead. Where they use
+//! `f32`, they use only IEEE operations, which round in the same way on every machine.
 pub mod float;
 pub mod wide;
 

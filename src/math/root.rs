@@ -2,8 +2,8 @@
 //!
 //! The integer roots scale the radicand to x in [1/4, 1). Newton's step y ← y + y·(1 − x·y²)/2 approaches
 //! 1/√x; the first steps use `f32`. The product s = x·y is then close to √x. The step s ← s + (x − s²)·y/2
-//! (Karp and Markstein) improves s, and an exact remainder decides the last unit. The code needs neither a
-//! division nor a loop.
+//! (Karp and Markstein) improves s, and an exact remainder decides the last unit. The integer roots need
+//! neither a division nor a loop.
 use super::wide::mul_wide;
 use micromath::F32Ext;
 

@@ -1,13 +1,13 @@
-//! Sine and cosine for the tick: no division, no branch.
+//! Sine and cosine for the tick, without a division and without a loop.
 //!
-//! The angle is a multiple of 1/1024 revolution plus a rest r of at most ρ = π/1024. S and C, the sine and
-//! cosine of the multiple, come from a table. Then
+//! The angle is a multiple of 1/1024 revolution plus a rest r, with |r| at most ρ = π/1024. S and C, the sine
+//! and cosine of the multiple, come from a table. Then
 //!
 //! sin = S + C·sin r − S·(1 − cos r),  cos = C − S·sin r − C·(1 − cos r).
 //!
-//! r is small enough for sin r = r − a·r³ and 1 − cos r = r²/2 − r⁴/24. Each product keeps only the bits that
-//! matter. sin r and 1 − cos r have 64 fraction bits in two words. The upper word times the table's upper
-//! word (30 fraction bits) accumulates directly in the result's 62 fraction bits.
+//! r is so small that sin r = r − a·r³ (a is near 1/6) and 1 − cos r = r²/2 − r⁴/24 suffice. Each product
+//! keeps only the bits that matter. sin r and 1 − cos r have 64 fraction bits in two words. Their upper word
+//! times the table's upper word (30 fraction bits) adds directly to the result with its 62 fraction bits.
 use super::angle::sin_cos_fine;
 
 /// Table points per revolution.

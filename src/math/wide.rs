@@ -1,7 +1,7 @@
-//! Products wider than 64 bits, from 32×32→64 multiplications.
+//! Products wider than 64 bits, from products of 32 by 32 bits.
 //!
 //! A factor is split as a = a1·2^32 + a0 with unsigned a0; only a1 has the sign. Each of the four partial
-//! products plus two 32-bit carries still fits 64 bits: (2^32 − 1)² + 2·(2^32 − 1) = 2^64 − 1.
+//! products plus two 32-bit carries still fits into 64 bits: (2^32 − 1)² + 2·(2^32 − 1) = 2^64 − 1.
 
 /// The low 32 bits of a number.
 const fn low(a: u64) -> u64 {

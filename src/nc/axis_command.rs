@@ -1,4 +1,5 @@
-//! Axis bracket commands: `X[OSC …]`, `X[INDP_SYN …]`.
+//! Reads the commands of a single axis in brackets: oscillation `X[OSC …]` and independent motion `X[INDP_SYN
+//! …]`, `X[INDP_ASYN …]`.
 use super::cursor::Cursor;
 use super::function::*;
 use super::interpreter::{Gathered, Interpreter};

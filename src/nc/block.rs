@@ -1,4 +1,5 @@
-//! The words of a block: addresses, modal state, and the resulting motion.
+//! Reads the words of a block in ISG's language: G and M words, F, S, T, axis words. Modal state changes
+//! here; the motion and the other commands are made in `compose.rs`.
 use super::cursor::Cursor;
 use super::expression::{expression, parameter_target};
 use super::flow::Ending;

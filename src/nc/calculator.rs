@@ -1,11 +1,13 @@
-//! The state of expressions, and the amount of arithmetic per call.
+//! Limits the arithmetic of one call of the decoder, and holds the P parameters and the unfinished
+//! expression.
 //!
-//! A line may hold more arithmetic than one call of the decoder may do. The calculator counts the remaining
-//! work of the call. If the work does not suffice, the calculator stores the unfinished expression, and the
-//! decoder leaves the line as if the text were wrong. [`Calculator::is_halted`] distinguishes both cases. The
-//! next call reads the line again: it skips complete words, takes the values of complete expressions of the
-//! current statement from a list, and continues the stored expression. So the decoder must not change any
-//! state before the last expression of a statement, or of a word in a block, is complete.
+//! A line may contain more arithmetic than one call may do. The calculator counts the work that is left in
+//! this call. If the work does not suffice, the calculator stores the unfinished expression. The decoder then
+//! leaves the line in the same way as a wrong line; [`Calculator::is_halted`] tells the two cases apart.
+//!
+//! The next call reads the same line again from its start. The decoder takes the values of complete
+//! expressions from a list, and continues the stored expression. So no state may change before the last
+//! expression of a statement, or of a word in a block, is complete.
 use super::expression::Stacks;
 use super::parameter::Parameters;
 use super::{Fault, NcErrorKind, Span};

@@ -1,4 +1,4 @@
-//! Commands: the output of the decoder, one at a time.
+//! The commands that the decoder returns, one at a time, and the place in the program text of each.
 #[cfg(feature = "grbl")]
 use super::dialect::ForeignSetup;
 use super::function::*;

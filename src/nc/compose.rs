@@ -1,4 +1,5 @@
-//! Makes commands from the words of a block: offsets, dwell, weights, and the motion.
+//! Makes commands from the words of a block: offsets, dwell, weights of the dynamics, and the motion. Also
+//! converts inches to millimetres (G70, G20).
 use super::block::{Given, Item, ItemKind, Use, Words, put_before, weight};
 use super::flow::Ending;
 use super::interpreter::{Gathered, Interpreter, Next};

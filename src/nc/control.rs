@@ -1,4 +1,4 @@
-//! `$` statements: branches, loops, jumps.
+//! `$` statements of ISG's language: branches, loops, jumps.
 use super::cursor::{Cursor, Word};
 use super::expression::{expression, parameter_target};
 use super::flow::{Block, Open, Passing, hash};

@@ -1,4 +1,4 @@
-//! Reads one logical line from left to right; blanks between words are ignored.
+//! Reads a logical line from left to right. Blanks between words are ignored.
 use super::number::{Number, Plain};
 use super::{Fault, NcErrorKind, Span};
 

@@ -1,4 +1,4 @@
-//! The decoder: reads lines of text and returns commands, with a bounded amount of work per call.
+//! The decoder: reads lines of program text and returns commands, with a bounded amount of work per call.
 use super::block::{Item, ItemKind};
 use super::compose::in_range;
 use super::cursor::Cursor;

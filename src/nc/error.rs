@@ -1,4 +1,4 @@
-//! Errors and warnings of the decoder.
+//! Errors and warnings of the decoder, with their messages.
 use super::Place;
 use crate::machine::functions::Function;
 use core::fmt;

@@ -1,9 +1,9 @@
-//! Arithmetic expressions without recursion: the evaluation uses two stacks of fixed size and operators with
-//! priorities.
+//! Evaluates arithmetic expressions of ISG's language. The evaluation uses no recursion, but two stacks of
+//! fixed size, for operands and operators.
 //!
 //! `**` binds tightest, then sign and NOT, then `*` `/` MOD, then `+` `-`, then comparisons, then AND, then
-//! OR and XOR. Square brackets group. A condition is true from 0.5 on. `P` belongs to the index after it:
-//! `P5`, `PP5`, `P[P1+5]`.
+//! OR and XOR. Square brackets group. A condition is true if its value is at least 0.5. `P` belongs to the
+//! index after it: `P5`, `PP5`, `P[P1+5]`.
 use super::calculator::{Aside, Calculator};
 use super::cursor::Cursor;
 use super::number::Number;

@@ -1,5 +1,5 @@
-//! The order in which program text is carried out: control blocks, calls, jumps. Stacks of bounded size hold
-//! places in the text.
+//! The order in which program text is carried out: control blocks (`$IF`, loops), calls and jumps. Stacks of
+//! fixed size hold the places in the text to which the program returns.
 use super::line::Mark;
 use super::{NcErrorKind, Place};
 use crate::machine::functions;

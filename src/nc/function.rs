@@ -1,7 +1,7 @@
-//! Commands other than motion, as types. A field with the value `None` was not programmed, and its parameter
-//! stays as it was. ISG defaults are in square brackets.
+//! Commands other than motion, as types. A field with the value `None` was not programmed: its parameter
+//! keeps its value. ISG's defaults are in square brackets.
 //!
-//! Lengths are in mm, angles in degrees, both with LSB 2^-32, rounded to nearest.
+//! Lengths are in mm, angles in degrees; both have LSB 2^-32 and are rounded to nearest.
 use super::Place;
 use crate::machine::functions;
 use crate::quantity::Position;

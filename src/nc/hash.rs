@@ -1,4 +1,5 @@
-//! `#` commands: the decoder recognises a command by its words, and then reads the keywords in its brackets.
+//! `#` commands of ISG's language. The decoder recognises a command by its words, and then reads the keywords
+//! in its brackets.
 use super::cursor::Cursor;
 use super::expression::expression;
 use super::function::*;

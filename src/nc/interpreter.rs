@@ -1,5 +1,5 @@
-//! Interprets logical lines in order. A line is a program head, a `$` statement, a `#` command, a call, or a
-//! block of words. A short queue holds the results of a line.
+//! Interprets logical lines, one after the other. A line is a program head, a `$` statement, a `#` command, a
+//! call, or a block of words. A short queue holds the commands that a line gives.
 use super::block::{Item, Items, Waiting, checksum_of};
 use super::calculator::Calculator;
 use super::cursor::Cursor;

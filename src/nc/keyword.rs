@@ -1,4 +1,5 @@
-//! Keyword lists in square brackets: `[DEV, PATH_DEV 5 RELEVANT_PATH=2]`. One reader serves every command.
+//! Reads keyword lists in square brackets, for example `[DEV, PATH_DEV 5 RELEVANT_PATH=2]`. All commands use
+//! this reader.
 use super::calculator::Calculator;
 use super::compose::in_range;
 use super::cursor::Cursor;

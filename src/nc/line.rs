@@ -1,7 +1,8 @@
-//! Converts bytes to logical lines: drops comments, joins continuations, and keeps the place of every byte.
+//! Splits bytes into logical lines: drops comments, joins continuation lines, and keeps the place of every
+//! byte.
 //!
-//! A line ends with LF, CR LF or a lone CR. The line end also closes comments, as in ISG's language. If a
-//! comment is not closed before, a warning reports that the rest of the line is lost.
+//! A line ends with LF, CR LF or a lone CR. The line end also closes a comment, as on ISG's controllers. If
+//! the closing bracket is missing, a warning says so, because the rest of the line belongs to the comment.
 #[cfg(feature = "grbl")]
 mod comment;
 mod skip;

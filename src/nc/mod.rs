@@ -1,8 +1,9 @@
-//! The decoder: converts program text to typed commands. The decoder knows text and modal state. It does not
-//! know the dynamics of a machine.
+//! The decoder: converts program text to typed commands. The decoder knows text and modal state, but not the
+//! limits of the machine.
 //!
-//! Applications use three items of this module. [`Text`] is a source of program text; a `&[u8]` implements it.
-//! [`Window`] is a buffer for text that arrives over a serial line. [`Library`] holds a program with its subroutines:
+//! Applications use three items of this module. [`Text`] is a source of program text; a `&[u8]` implements
+//! it. [`Window`] is a buffer for text that arrives over a serial line. [`Library`] holds a program with its
+//! subroutines:
 //!
 //! ```
 //! use glidepath::nc::{Library, Text};
@@ -18,15 +19,15 @@
 //!
 //! ```text
 //!  Text → line ─logical lines→ interpreter ┬ flow, control   $ statements, calls, jumps
-//!                                          ├ plain           lines of N, G00, G01, F and axes alone, at once
-//!                                          ├ block           words: G, axes, F, M …, and the motion they make
+//!                                          ├ plain           lines of N, G00, G01, F and axes alone, in one pass
+//!                                          ├ block, compose  words: G, axes, F, M …, and the motion they make
 //!                                          ├ hash, keyword   # commands and axis[…] with their keywords
 //!                                          ├ variable        V. variables (feature `plc`)
 //!                                          └ dialect         lines of programs of Grbl, LinuxCNC and Fanuc
 //! ```
 //!
-//! Numbers stay decimal until an expression uses them. The targets of a [`Motion`] are decimals that are
-//! rounded once, to 2^-32. Expressions use f64 with + − × ÷ only, so all machines give the same bits.
+//! Programmed decimals stay decimal until their unit is known. The targets of a [`Motion`] are then rounded
+//! once, to 2^-32 mm or degrees. Expressions use f64 with + − × ÷ only, so all machines give the same bits.
 
 mod axis_command;
 mod block;

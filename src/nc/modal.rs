@@ -1,4 +1,4 @@
-//! Modal state: values that stay in force from block to block.
+//! Modal state of the decoder: values that stay in force from block to block.
 use super::Plane;
 use crate::quantity::{Feed, Position};
 

@@ -1,4 +1,4 @@
-//! Programmed numbers. Decimals are kept exactly until the unit is known; results of expressions are f64.
+//! Programmed numbers before their unit is known. Decimals are kept exactly; results of expressions are f64.
 use super::real;
 use fixed::types::I32F32;
 

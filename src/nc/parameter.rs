@@ -1,4 +1,5 @@
-//! P parameters: a sorted table of fixed size.
+//! Values of P parameters, of `#` parameters from `#31` on, and of `V.P.` and `V.L.` variables: a sorted
+//! table with room for 128 values.
 use super::NcErrorKind;
 use crate::machine::functions;
 use heapless::Vec;

@@ -1,8 +1,8 @@
-//! Plain blocks: lines of N, G00 or G01, F and axes, with plain decimals directly after the letters. The
-//! decoder reads such a line in one pass.
+//! Reads plain lines in one pass: lines of N, G00 or G01, F and axis words alone, with decimals directly
+//! after the letters.
 //!
-//! Most lines of most programs are plain. If a line contains other text, or an error,
-//! [`Interpreter::plain_block`] changes nothing. Then `block` and `compose` read or refuse the line.
+//! Most lines of most programs are plain. If a line contains other text or an error,
+//! [`Interpreter::plain_block`] changes nothing. Then `block.rs` and `compose.rs` read or refuse the line.
 use super::compose::{carry, in_range};
 use super::cursor::Cursor;
 use super::interpreter::{Gathered, Interpreter};

@@ -1,4 +1,4 @@
-//! The start of another program, and the state after a refused line. After a refusal, only changes of P
+//! Begins another program, and restores the state after a refused line. After a refusal, only changes of
 //! parameters remain.
 use super::NcErrorKind;
 use super::flow::Passing;

@@ -1,4 +1,4 @@
-//! Keywords of the commands for smoothing and speed profiles, with their ranges.
+//! Keywords of the commands for smoothing and for speed profiles, with their ranges.
 use super::function::*;
 use super::keyword::{COORDINATE, DEGREES, Keywords, MILLIMETRES, PERCENT, Range, Slot, Units};
 

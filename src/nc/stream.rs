@@ -9,10 +9,9 @@
 //! the window needs no lock and no compare-and-swap.
 //!
 //! The window drops text that is more than `N`/2 bytes before the furthest line that the decoder has reached.
-//! So only the text decides whether a loop, a jump back or a subroutine call finds its target. The arrival
+//! So only the text decides whether a loop, a jump back or a subroutine call finds its target; the arrival
 //! times of bytes have no effect. The decoder refuses a line whose target was dropped
-//! ([`super::NcErrorKind::BehindWindow`]). It also refuses a line of more than `N`/2 bytes, comments
-//! included.
+//! ([`super::NcErrorKind::BehindWindow`]), and a line of more than `N`/2 bytes, comments included.
 use super::{Text, TextError};
 use core::sync::atomic::{AtomicBool, AtomicU8, AtomicU32, Ordering};
 

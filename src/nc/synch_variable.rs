@@ -1,9 +1,10 @@
-//! The variables of an M or H function: `V.G.M_FCT[25].SYNCH`, `V.G.H_FCT[25].PRE_OUTP_PATH` (feature `plc`).
+//! Variables that set the synchronisation of an M or H function: `V.G.M_FCT[25].SYNCH`,
+//! `V.G.H_FCT[25].PRE_OUTP_PATH` (feature `plc`).
 //!
 //! | name | meaning |
 //! |---|---|
-//! | `SYNCH` | kind of synchronisation, as a number: P-CHAN-00041, P-CHAN-00027 |
-//! | `PRE_OUTP_PATH` | shift before its place, mm (inches with G70): P-CHAN-00070, P-CHAN-00107 |
+//! | `SYNCH` | kind of synchronisation, as a number: P-CHAN-00041 (M), P-CHAN-00027 (H) |
+//! | `PRE_OUTP_PATH` | distance before its place at which the function is output, mm (inches with G70): P-CHAN-00070, P-CHAN-00107 |
 //!
 //! A value is valid for the lines after its assignment, up to the end of the program. The next program begins
 //! with the values of the machine data.

@@ -1,4 +1,4 @@
-//! Sources of program text: slices in flash, files on a desktop, a block device.
+//! The interface to a source of program text, for example a slice in flash, files on a PC, or a block device.
 
 /// Random access to the bytes of an NC program and of the files that it calls with `L`. Loops and subroutines read parts
 /// of the text again. A `&[u8]` implements this trait for one file.

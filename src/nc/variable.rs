@@ -1,4 +1,4 @@
-//! V. variables of the ISG dialect (feature `plc`).
+//! `V.` variables of ISG's language (feature `plc`).
 //!
 //! | name | meaning | lifetime |
 //! |---|---|---|
@@ -9,8 +9,9 @@
 //! | `V.G.BLOCK_NR`, `V.G.FEEDRATE` | N number of the block before; F in mm/min. Read only | |
 //! | `V.G.M_FCT[n]…` | synchronisation of a function: `synch_variable` | to the end of the program |
 //!
-//! V.P. and V.L. are in the table of P parameters, above all numbers. For the other variables, the decoder
-//! reads all values of a line before it interprets the line, and writes values after the line.
+//! The table of P parameters also holds the `V.P.` and `V.L.` variables, at indices above all P numbers. For
+//! the other variables, the decoder reads all values of a line before it interprets the line, and writes
+//! values after the line.
 use super::cursor::Cursor;
 use super::flow::hash;
 use super::interpreter::Interpreter;

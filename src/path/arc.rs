@@ -1,7 +1,7 @@
-//! G02 and G03: arcs, full circles and helices, by centre or by radius.
+//! G02 and G03: arcs, full circles and helices, with the centre (I, J, K) or with the radius (R).
 //!
 //! Programmed coordinates have few decimals, so start and end rarely have the same distance from the centre.
-//! The radius then changes linearly with the angle, from the first distance to the second.
+//! The radius then changes linearly with the angle, from the distance of the start to that of the end.
 use super::measure::Main;
 use super::{
     Arc, Circle, Curve, Element, End, FINER, GUARD, LONGEST, Measure, PathError, Shape, path_length, reach,

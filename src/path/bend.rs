@@ -1,5 +1,5 @@
-//! Bounds of the derivatives of a part of a curve. The search for a stop uses these bounds for the path of
-//! the stop.
+//! Computes the largest derivatives of every axis over path length, in a part of a curve. The planner uses
+//! these bounds when it searches for a short stop (feed hold).
 use super::poly::power_of_two;
 use super::{Arc, Curve, Shape};
 use crate::math::float::{magnitude, max, min, to_f32};

@@ -1,4 +1,5 @@
-//! Range of an axis on a curve, for the software limits.
+//! Computes the least and the greatest coordinate of an axis on a curve, for the check of the software
+//! limits.
 use super::arc::plane_hypot;
 use super::{Curve, Element, FINER};
 use crate::math::angle::atan2_turns;

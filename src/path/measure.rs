@@ -1,23 +1,24 @@
-//! The measure of a path: the feed axes (P-CHAN-00011).
+//! The measure of a path: which axes count as path length. These are the feed axes (P-CHAN-00011).
 //!
 //! ISG's texts name this parameter, but do not describe its effect. Glidepath uses the following meaning,
 //! which agrees with ISG's public lists:
 //!
-//! - The path length of a block is the common travel of its feed axes. F, `s`, path speed and the limits of
-//!   `#VECTOR LIMIT` refer to this length. Every other axis moves along, even a main axis. With one feed axis
-//!   the path speed is the speed of that axis.
+//! - The path length of a block is the common travel of its feed axes. F, path speed and the limits of
+//!   `#VECTOR LIMIT` refer to this length. Every other axis moves along, even a main axis. With one feed
+//!   axis, the path speed is the speed of that axis.
 //! - If no axis is a feed axis, the main axes are the feed axes, as in the rest of ISG's texts.
-//! - If a block moves no feed axis, its path length counts along the main axes. If it moves no main axis
-//!   either, the length counts along all other axes together.
-//! - If an axis moves more than 64 times as far as the feed axes, a 64th of its travel counts as path. Path
-//!   distances and speeds have a limited resolution, and such an axis would magnify their rounding. (If the
-//!   main axes are the feed axes, a 1024th counts.)
+//! - If a block moves no feed axis, its path length counts along the main axes. If the block moves no main
+//!   axis either, the length counts along all other axes together.
+//! - If an axis moves more than 64 times as far as the feed axes, a 64th of its travel counts as path.
+//!   Otherwise the axis would magnify the rounding of path distances and speeds. If the main axes are the
+//!   feed axes, the factor is 1024.
 //! - An arc needs both axes of its plane as feed axes. Along a single axis, the arc goes back and forth, and
 //!   no feed can describe its speed. ISG even demands all main axes.
 //! - **Tolerances and deviations are distances in space** between points of the main axes, whatever the feed
 //!   axes are. Examples are PATH_DEV, RELEVANT_PATH, and the distance of points that a merged line leaves
-//!   out. **Corner distances are lengths of the path**: PRE_DIST, POST_DIST, PATH_DIST ("on the feed axes'
-//!   path"), SYM_DIST, shares of blocks.
+//!   out.
+//! - **Corner distances are lengths of the path**: PRE_DIST, POST_DIST, PATH_DIST ("on the feed axes' path"),
+//!   SYM_DIST, and parts of blocks.
 use super::{FINER, path_length, travelled};
 #[cfg(feature = "grbl")]
 use crate::machine::Dialect;

@@ -1,19 +1,21 @@
-//! Merges blocks that continue in a straight line. A line cut into pieces is then as fast as the whole line,
-//! and the look-ahead covers as much path.
+//! Merges blocks that continue in a straight line. A line that the program has cut into pieces is then as
+//! fast as the whole line, and the look-ahead covers more path.
 //!
-//! One line from the start `P0` of the first block to the end `Pn` of the last block may replace all blocks,
-//! if every point left out is within a tolerance. This check does not need the points themselves. Every `Pi`
-//! was an end before it was left out: `Pi = P0 + Ti·si`, with path length `si` and tangent `Ti` of the line
-//! up to `Pi`. At the path distance `si`, the line with the tangent `T` is `|T − Ti|·si` away from `Pi`, axis
-//! by axis. So each point permits the tangents within `tolerance/si` of `Ti`. For all points together, this
-//! is an interval per axis. Only this interval is stored.
+//! One line from the start `P0` of the first block to the end of the last block may replace all blocks. The
+//! condition is that every point left out is within the tolerance of 1.14 nm on each main axis. The check does
+//! not need the points themselves. Each point `Pi` was the end of the merged line before the next block
+//! joined: `Pi = P0 + Ti·si`, with path length `si` and tangent `Ti` of that line.
 //!
-//! The place of a point along the path is only known to the tolerance. So a tracking axis that moves `t`
+//! At the path distance `si`, a line with the tangent `T` is `|T − Ti|·si` away from `Pi`, axis by axis. So
+//! each point permits the tangents within `tolerance/si` of `Ti`. For all points together, this is one
+//! interval per axis, and only this interval is stored.
+//!
+//! The place of a point along the path is known only within the tolerance. So a tracking axis that moves `t`
 //! times as far as the path has `1 + t` times the tolerance. Main axes have the tolerance alone, whatever the
 //! feed axes are.
 //!
-//! The order of the points stays the same. The path length grows with every block. The tangent changes by
-//! less than 1/4 on every feed axis, so no block goes back.
+//! The order of the points stays the same: the path length grows with every block, and the tangent changes by
+//! less than 1/4 on every feed axis. So no block goes back.
 use super::Measure;
 use super::line::{Straight, straight};
 use crate::math::float::{to_bits, to_f32};

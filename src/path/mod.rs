@@ -1,8 +1,8 @@
 //! Geometry over distance: every block becomes an [`Element`], a curve over its own path length. This module
 //! does not depend on time.
 //!
-//! The curve of an element is a [`Shape`]. With `w` in `0..W` for a path distance of `0..length`, the
-//! position of axis k is
+//! The curve of an element is a [`Shape`]. The parameter `w` is the path distance shifted so that the length
+//! of the block has 62 bits; so every factor uses its full width for any length. The position of axis k is
 //!
 //! ```text
 //! x_k = base_k + gain_k·w                                   axes of a line; axes of an arc outside its plane
@@ -10,10 +10,10 @@
 //! x_q = base_q + a_q(w)·cos φ + a_p(w)·sin φ + miss_q·w     with φ = turn·w,  a(w) = a + grow·w
 //! ```
 //!
-//! A tick only multiplies and adds. `w` is the distance shifted to 62 bits, so every factor uses its full
-//! width for any length of the block. `miss` is the difference between the rounded end of the circle and the
-//! programmed end. With this term, the curve ends exactly at the programmed point. `miss` and `grow` are so
-//! small that the upper half of `w` suffices.
+//! `base` is the start of a line, or the centre of an arc. `a` is the vector from the centre to the start,
+//! and `grow` the change of the radius. `miss` is the difference between the rounded end of the circle and
+//! the programmed end; with this term, the curve ends exactly at the programmed point. `miss` and `grow` are
+//! so small that the upper half of `w` suffices. A tick only multiplies and adds.
 //!
 //! The third kind of curve is a polynomial of the fifth degree for every axis ([`mod@poly`]).
 mod arc;

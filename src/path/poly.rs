@@ -6,9 +6,12 @@
 //! x_k = base_k + gain_k·w + 2^(12 − down_k)·τ²·(c_k2 + τ·(c_k3 + τ·(c_k4 + τ·c_k5)))      τ = w / 2^62
 //! ```
 //!
-//! The last part has LSB 2^-42 mm and coefficients of 32 bits. The linear part absorbs their rounding error,
-//! so the end is exact to the last bit. Direction and curvature at the ends have an error of about 2^-29 of
-//! the curve's own values. A cubic needs no curvature at its ends, because the other data determine it.
+//! `w` is the path distance with 62 bits, as in [`super::Shape`]. `down_k` scales the coefficients of an
+//! axis. The last part of the sum has LSB 2^-42 mm, and its coefficients have 32 bits. The linear part
+//! absorbs their rounding error, so the end is exact to the last bit. Direction and curvature at the ends
+//! have an error of about 2^-29 of the curve's own values.
+//!
+//! A cubic needs no curvature at its ends, because position and direction there determine it.
 use super::{Curve, Element, End, FINER, GUARD, LONGEST, Shape};
 use crate::math::float::{magnitude, max, min, to_bits, to_f32};
 use crate::math::root::sqrt_f32;

@@ -1,5 +1,5 @@
-//! Curves as coefficients, for a transformation (feature `kinematics`): from an element to coefficients over
-//! the fraction of its path, and back.
+//! Converts an element to polynomials with `f64` coefficients over the fraction of its path, and back. The
+//! kinematic transformation computes with these (feature `kinematics`).
 use super::poly::{SEEN, Scale, bends, bent, fastest};
 use super::{Bounds, Curve, Distance, Element, End, GUARD, Passage, Shape};
 use crate::math::float::{magnitude, max, to_f32};

@@ -1,5 +1,5 @@
-//! Replaces a kind of smoothing that is not compiled in ([`crate::machine::functions`]). No value of this
-//! type can exist, so it needs neither memory nor code.
+//! Stands in for Surface or for the splines in a build without them ([`crate::machine::functions`]). The type
+//! has no values, so it needs neither memory nor code.
 use super::spline::Mode;
 #[cfg(not(feature = "splines"))]
 use super::{Before, Selected, Smoothing, SplineError};

@@ -1,11 +1,14 @@
-//! P-CHAN-00239: the HSC B-spline and contour mode alternate. The ends of lines become points of the spline.
-//! Where an arc begins or ends, contour mode rounds the transition with the tolerance of the spline. The
-//! effect is that of `#CONTOUR MODE [DEV PATH_DEV=X TRACK_DEV=Y RELEVANT_PATH=X RELEVANT_TRACK=Y]`; X and Y
-//! are those of `#HSC`.
+//! `#HSC \[BSPLINE\]` with P-CHAN-00239: the B-spline smooths lines, and contour mode rounds the corners at
+//! both ends of an arc.
 //!
-//! A line next to an arc is halved. The half away from the arc is the first or the last leg of the spline.
-//! The half at the arc is a block of contour mode, and the corner takes at most half of it. Both curves are
-//! straight where the halves meet.
+//! The ends of lines become points of the B-spline. Contour mode works with the tolerances of the spline, as
+//! after `#CONTOUR MODE [DEV PATH_DEV=X TRACK_DEV=Y RELEVANT_PATH=X RELEVANT_TRACK=Y]`. X and Y are PATH_DEV
+//! and TRACK_DEV of `#HSC`. With P-CHAN-00239 = 1, contour mode also takes lines that the spline cannot use,
+//! for example a line that moves no axis of the path.
+//!
+//! A line between other lines and an arc is halved. The half away from the arc is the first or the last line
+//! of the spline. The half at the arc is a block of contour mode, and the corner's curve takes at most half
+//! of it. Both curves are straight where the halves meet.
 use super::contour::{Contouring, Settings};
 use super::halved::{Waiting, halve};
 use super::spline::{Mode, Rules, Splining, Start, is_leg};

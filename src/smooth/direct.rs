@@ -1,4 +1,4 @@
-//! Direct splines: G151, G150, and their parameters.
+//! Direct splines: the commands G151 (on) and G150 (off), and their parameters.
 use super::spline::{self, DirectParameters, Mode, Start};
 use super::{Before, Kind, Selected, Smoothing, SplineError, Wanted};
 use crate::nc::{NcWarningKind, Spline, SplineType, Tangent};

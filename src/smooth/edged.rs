@@ -1,11 +1,14 @@
-//! `#HSC \[SURFACE\]` and contour mode alternate. Where two lines make an edge (`surface/edges.rs`), contour
-//! mode rounds the corner by DEV with the tolerances of Surface. Contour mode also rounds each transition
-//! between an arc and another block, if the arc stays an arc (CIR_MODE). At a tangential transition, its
-//! curve leads from one curvature to the other. CIR_MODE=0 leaves transitions of arcs unchanged.
+//! `#HSC \[SURFACE\]`: Surface smooths runs of lines, and contour mode rounds the corners where its curve is
+//! better.
+//!
+//! Contour mode rounds a corner between two lines if the corner is an edge (`surface/edges.rs`), by the
+//! method DEV with the tolerances of Surface. If an arc stays exact, contour mode also rounds the transitions
+//! at both ends of the arc, except with CIR_MODE=0. At a tangential transition, its curve leads from one
+//! curvature to the other.
 //!
 //! A line with an edge at one end is halved. The half away from the edge is the first or the last chord of a
-//! run of Surface. The half at the edge is a block of contour mode, and the corner may take nearly all of it.
-//! Both curves are straight where the halves meet.
+//! run of Surface. The half at the edge is a block of contour mode, and the corner's curve may take nearly
+//! all of it. Both curves are straight where the halves meet.
 use super::contour::{Contouring, Settings};
 use super::halved::{Waiting, halve};
 use super::surface::{Edges, Parameters, Surface, Used};

@@ -1,4 +1,5 @@
-//! Halves a line between a smoothed run and a corner of contour mode: each of them gets one half.
+//! Halves a line between lines that Surface or a spline smooths, and a corner that contour mode rounds. Each
+//! side gets one half.
 use super::{Parting, ProgrammedBlock, middle};
 use crate::path::{Measure, Straight, straight_line};
 use crate::quantity::Position;

@@ -1,8 +1,9 @@
 //! Smoothing of the path: turns programmed blocks into the elements that the axes follow.
 //!
-//! A [`Smoother`] takes programmed blocks and holds back as many as it needs. The smoother works on these
-//! blocks in bounded steps and emits elements. Other stages use only [`Smoothing`] and do not know the kind
-//! of smoother.
+//! A [`Smoother`] takes programmed blocks, and holds back as many as the smoothing needs. The smoother works
+//! on these blocks in bounded steps, and emits elements. There are smoothers for contour mode, for Surface,
+//! for splines, and for the B-spline with P-CHAN-00239. Other stages use only [`Smoothing`], which contains
+//! the active smoother.
 //!
 //! A build may leave out kinds of smoothing ([`crate::machine::functions`]). A type without values replaces
 //! such a kind (`absent.rs`). Only this file names the kinds.

@@ -1,14 +1,14 @@
-//! `#CONTOUR MODE [DEV]` while a transformation is active: decides whether contour mode or Surface smooths a
-//! corner.
+//! `#CONTOUR MODE [DEV]` while a kinematic transformation is active: decides whether contour mode or Surface
+//! smooths the corners.
 //!
-//! A curve of DEV takes at most half of each line. In a run of short lines, this curve bends twice as much as
-//! the run, and its third derivative grows as lines become shorter. A rotary axis that turns the tool has
-//! little acceleration and jerk, so this costs time. The smoothing curves of Surface overlap, so a run of
-//! equal corners becomes one even curve.
+//! The curve of DEV takes at most half of each line. In a run of short lines, such curves bend twice as much
+//! as the run, and their third derivative grows as the lines become shorter. A rotary axis that turns the
+//! tool permits little acceleration and jerk, so these curves are slow. The smoothing curves of Surface
+//! overlap, and make one even curve from a run of equal corners.
 //!
-//! So under a transformation the smoother of Surface works with the tolerances of DEV. Surface leaves sharp
-//! corners to contour mode ([`super::edged`]). If the program uses settings that Surface does not have,
-//! contour mode smooths all corners.
+//! So under a transformation, Surface smooths the corners with the tolerances of DEV. Surface leaves edges to
+//! contour mode ([`super::edged`]). If the program uses settings that Surface does not have, contour mode
+//! rounds all corners.
 use super::edged::Edged;
 use super::{Kind, Selected, Smoother, Smoothing, Wanted, surface};
 use crate::dynamics::Dynamics;

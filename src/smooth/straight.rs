@@ -1,5 +1,5 @@
-//! Replaces contour mode in a build without contour mode ([`crate::machine::functions`]). This contour mode
-//! is always off, so all blocks bypass it.
+//! Stands in for contour mode in a build without contour mode ([`crate::machine::functions`]). This contour
+//! mode is always off, so all blocks pass unchanged.
 use super::contour::{Preset, Settings};
 use super::{Parting, ProgrammedBlock, Smoothed, Smoother};
 use crate::dynamics::Dynamics;

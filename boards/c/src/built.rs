@@ -1,4 +1,5 @@
-//! Functions that a build may leave out: filters of the axes, and single axes.
+//! Types and functions that depend on the build: a build may leave out the filters of the axes, and single
+//! axes.
 use crate::text::Program;
 use crate::{AXES, BLOCKS, OVERLAYS};
 use glidepath::channel::{self, Handles, MachineError};

@@ -1,4 +1,4 @@
-//! The handle of the context that receives program text.
+//! The C functions for the context that receives program text.
 use crate::WINDOW;
 use crate::part::{Part, answer};
 use crate::result::Outcome;

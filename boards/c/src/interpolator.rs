@@ -1,4 +1,4 @@
-//! The handle of the timer interrupt.
+//! The C functions for the timer interrupt.
 use crate::AXES;
 use crate::built::Interpolator;
 use crate::part::{Part, answer};

@@ -1,8 +1,9 @@
-//! Glidepath for C. The header `include/glidepath.h` is made of this crate: `cargo xtask header`.
+//! Glidepath for C. `cargo xtask header` generates the header `include/glidepath.h` from this crate.
 //!
-//! A C program has one [`storage::Storage`] in static memory. [`storage::gp_open`] makes four handles in it, one for each
-//! context: planner, interpolator, operator and feeder. Every call checks its handle and returns a [`result::Outcome`].
-//! No function of this crate allocates, waits or unwinds.
+//! A C program has one [`storage::Storage`] in static memory. [`storage::gp_open`] makes four handles in this
+//! memory: planner, interpolator, operator and feeder. Each handle belongs to one context, for example a task
+//! or an interrupt. Every call checks its handle and returns a [`result::Outcome`]. No function of this crate
+//! allocates, waits or unwinds.
 #![cfg_attr(target_os = "none", no_std)]
 // The contract of all pointers stands once, at the top of the header.
 #![allow(clippy::missing_safety_doc)]

@@ -1,4 +1,4 @@
-//! Machine data as C structs, their defaults, and the check.
+//! Machine data as C structs, their defaults, and the functions that check them.
 use crate::built;
 use crate::message;
 use crate::result::Outcome;

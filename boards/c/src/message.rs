@@ -1,4 +1,4 @@
-//! Messages in memory of the C program.
+//! Writes messages to memory of the C program.
 use core::ffi::c_char;
 use core::fmt::{self, Display, Write};
 

@@ -1,4 +1,4 @@
-//! The handle of the context that gives commands and carries out functions.
+//! The C functions for the context that gives commands and carries out M and H functions.
 use crate::AXES;
 use crate::interpolator::State;
 use crate::part::{Part, answer};

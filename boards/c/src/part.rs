@@ -1,4 +1,5 @@
-//! A handle in the storage: its value, whether it is open, and whether a call is in progress.
+//! A handle in the storage: its value, whether the handle is open, and whether a call with the handle is in
+//! progress.
 use crate::result::Outcome;
 use core::cell::UnsafeCell;
 use core::mem::MaybeUninit;

@@ -1,4 +1,4 @@
-//! The handle of the task that plans.
+//! The C functions for the task that plans: load a program, poll, continue after a refusal.
 use crate::built::Planner;
 use crate::message;
 use crate::part::{Part, answer};

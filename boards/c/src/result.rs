@@ -1,4 +1,4 @@
-//! The results of calls.
+//! The results of the C functions.
 
 /// The result of a call. After every result except `GP_RESULT_OK` and `GP_RESULT_NOTHING`, the call had
 /// no effect.

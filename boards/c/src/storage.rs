@@ -1,4 +1,4 @@
-//! The memory of the library, and its opening and closing.
+//! The memory of the library in a C program: opens and closes this memory.
 use crate::built::{self, Channel, FilterMemory};
 use crate::feeder::FeederHandle;
 use crate::interpolator::InterpolatorHandle;

@@ -1,4 +1,4 @@
-//! The source of program text: memory, or the window.
+//! The program text that the planner reads: text in memory, or text that arrives in the window.
 use crate::WINDOW;
 use glidepath::nc::{Stream, Text, TextError};
 

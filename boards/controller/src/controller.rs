@@ -1,4 +1,5 @@
-//! The state machine: one [`Controller::poll`] handles all inputs once.
+//! The Grbl controller as a state machine. One call of [`Controller::poll`] handles everything that has
+//! arrived since the last call: bytes, pins, and results of the motion.
 mod keeping;
 mod lines;
 mod outputs;

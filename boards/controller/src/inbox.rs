@@ -1,4 +1,5 @@
-//! Bytes from the serial interrupt. The interrupt separates real-time bytes from lines.
+//! Takes bytes from the serial interrupt. The interrupt separates real-time bytes (feed hold, reset,
+//! overrides) from lines.
 //!
 //! ```text
 //!  interrupt                                  task
@@ -6,7 +7,8 @@
 //!               └── real time ─→ counters, small ring ──→ Inbox::take, Inbox::next_key
 //! ```
 //!
-//! Every word of the memory has one writer, the interrupt or the task. No lock and no compare-and-swap is needed.
+//! Every word of the memory has one writer, the interrupt or the task. No lock and no compare-and-swap is
+//! needed.
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
 
 /// Requests of real-time bytes for which only the last byte before a call counts.

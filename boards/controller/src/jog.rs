@@ -1,4 +1,4 @@
-//! `$J=`: the words of a jog.
+//! Reads the words of a jog, `$J=`.
 use crate::motion::{Jog, Modal};
 use crate::number::decimal;
 use glidepath::machine::AxisName;

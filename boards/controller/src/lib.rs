@@ -6,8 +6,9 @@
 //!                                             Motion: planner, interpolator, decoder
 //! ```
 //!
-//! The controller accesses no serial port, no clock and no planner. An interrupt passes bytes, time and
-//! inputs are arguments, and the trait [`Motion`] represents the moving machine.
+//! The controller accesses no serial port, no clock and no planner. The serial interrupt passes the bytes to
+//! the controller. Time and inputs are arguments of a call. The trait [`Motion`] represents the machine that
+//! moves; [`machine`] implements this trait with Glidepath.
 //!
 #![doc = include_str!("../README.md")]
 #![no_std]

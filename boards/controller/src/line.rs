@@ -1,5 +1,5 @@
-//! From bytes to lines: the characters that Grbl ignores are removed. A line that is too long still counts as
-//! one line.
+//! Collects bytes to lines. In Grbl's form, blanks, comments and `/` are removed, and letters become upper
+//! case. A line that is too long counts as one line, and is refused.
 use heapless::Vec;
 
 /// Bytes of the longest configurable line.

@@ -1,4 +1,4 @@
-//! The motion side of the protocol: the interface to planner, interpolator and decoder.
+//! The interface between the controller and the machine that moves: the trait [`Motion`] and its types.
 use crate::settings::Settings;
 use glidepath::quantity::{Feed, Position};
 use heapless::String;

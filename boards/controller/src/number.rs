@@ -1,4 +1,4 @@
-//! Decimals as integers: read from text, and written with a fixed number of decimals.
+//! Decimals as integers: reads them from text, and writes them with a fixed number of decimals.
 use core::fmt::{self, Display};
 
 /// Reads a decimal at the start of `text`. Returns its value in 10^-`places`, without further decimals, and

@@ -1,4 +1,4 @@
-//! Inputs and outputs through embedded-hal.
+//! Inputs and outputs of a board through embedded-hal.
 use crate::controller::Outputs;
 use crate::motion::Spindle;
 use crate::state::Signals;

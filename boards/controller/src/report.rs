@@ -1,4 +1,4 @@
-//! Answers as text: status, settings, offsets, modal words. Line ends are CR LF.
+//! Writes answers as text: status, settings, offsets, modal words. Line ends are CR LF.
 use crate::motion::{Modal, Motion, Offsets, Overrides, Spindle, Status};
 use crate::number::{feed, position};
 use crate::settings::Settings;

@@ -1,4 +1,4 @@
-//! The `$` settings: numbers, ranges, defaults, and the machine data that belong to them.
+//! The `$` settings of Grbl: numbers, ranges, defaults, and the machine data that follow from them.
 use crate::number::{Fixed, decimal};
 use glidepath::machine::{AxisData, MachineData, NO_LIMIT, parameter};
 

@@ -1,4 +1,4 @@
-//! States of the machine, with the names that reports use.
+//! States of the controller and of its inputs, with the names that status reports use.
 use core::fmt::{self, Display};
 
 /// The state that a report shows.

@@ -1,4 +1,4 @@
-//! Lines that begin with `$`.
+//! Carries out lines that begin with `$`: settings, reports, homing, jog, check mode.
 use crate::controller::{Around, Controller, Mode, NOT_STORED, Reply, Stored, Waiting};
 use crate::jog;
 use crate::motion::Motion;

@@ -1,4 +1,5 @@
-//! One axis: its steps of a tick, in slots that its driver can follow.
+//! Makes the step pulses of one axis in a tick, with the times that the axis's driver needs. A tick is
+//! divided into slots.
 use crate::backlash::{Backlash, TakeUp};
 use crate::counter::Counter;
 use crate::data::{MOTORS, Motor};

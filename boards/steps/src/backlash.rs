@@ -1,8 +1,9 @@
-//! Backlash: the motor takes up the play of the drive train when the axis reverses.
+//! Compensates backlash: when an axis reverses, the motor additionally moves through the play of the drive
+//! train.
 //!
-//! The set point reverses when it has come back by a whole count from its furthest position. Then the play is
-//! added to the motion of the motor, or removed again, as a separate motion from rest to rest: this motion
-//! accelerates and brakes at a constant rate and keeps a speed limit.
+//! An axis counts as reversed when its set point has come back by one count (one step of the motor) from its
+//! furthest position. The play is then added to the motion of the motor, or removed again. This additional
+//! motion goes from rest to rest, with a constant acceleration and a speed limit.
 use crate::counter::Counter;
 
 /// Play of an axis, and the speed at which it is taken up.

@@ -1,8 +1,9 @@
-//! From set points to counts, exactly: a digital differential analyser.
+//! Converts set points of one axis to counts (steps of the motor), exactly: a digital differential analyser.
 //!
-//! A set point in units of 2^-32 mm, times `counts`, is a distance in *grains*; a count is `length` · 2^32 of them. The
-//! counter keeps the distance of the set point from the last rounding boundary, in grains. Boundaries lie half a count
-//! below each whole count, so the passed counts are those of the rounded set point.
+//! The axis makes `counts` steps per `length` mm or degrees. A set point has LSB 2^-32 mm or degrees. A set
+//! point times `counts` is a distance in *grains*, and one count has `length` · 2^32 grains. The counter
+//! keeps the distance from the last rounding boundary to the set point, in grains. Boundaries are half a
+//! count below each whole count. So the boundaries that are passed are the counts of the rounded set point.
 use core::num::NonZeroU32;
 
 /// Grains of one axis.

@@ -1,4 +1,4 @@
-//! Machine data of the step output.
+//! Machine data of the step output: pins, steps per length, times of the drivers, backlash.
 use crate::backlash::Backlash;
 
 /// Motors that an axis may have.

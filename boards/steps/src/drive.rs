@@ -1,4 +1,5 @@
-//! The timer interrupt of a board with step output: from the interpolator's set points to port words.
+//! The timer interrupt of a board with step output: takes set points from the interpolator, and writes the
+//! words that a timer puts on the port.
 use crate::port::{State, Steps};
 use glidepath::fir::FilterTick;
 use glidepath::machine::MachineData;

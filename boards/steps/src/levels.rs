@@ -1,4 +1,5 @@
-//! From port words to the levels of pins, for receivers that take levels: a simulator, a shift register, a PIO.
+//! Converts port words to the levels of pins, for receivers that take levels: a simulator, a shift register,
+//! a PIO.
 /// The levels of the pins of a port.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Levels(pub u16);

@@ -1,4 +1,5 @@
-//! All axes of a port: from set points to the words of a tick.
+//! The step output of all axes on one port: converts set points to the port words of a tick. Refuses machine
+//! data whose steps do not fit into the slots.
 use crate::axis::Axis;
 use crate::backlash::{Backlash, TakeUp};
 use crate::counter::Counter;

@@ -1,10 +1,11 @@
-//! The slots of the tick in which boundaries are passed.
+//! Finds the slots of the tick in which an axis passes the boundaries between counts, which are the slots of
+//! its steps.
 //!
-//! Inside a tick the set point counts as linear. The first slot and the interval take two divisions of 32 bits per
-//! axis and tick. Each further step takes an addition that carries its remainder.
+//! Inside a tick the set point changes linearly. The first slot and the interval between steps take two
+//! divisions of 32 bits per axis and tick. Each further step takes one addition that carries the remainder.
 //!
-//! For this, moves are cut to [`BITS`] bits. The resulting error of a step's slot is below 0.04 slots: each of up to
-//! 256 intervals contributes less than 512 · 2^-22, the whole move the same.
+//! For this, the length of the move is cut to [`BITS`] bits. The resulting error of a step's slot is below
+//! 0.04 slots: each of up to 256 intervals contributes less than 512 · 2^-22, and so does the whole move.
 use crate::counter::Crossings;
 
 /// Bits of a move that count. Multiplied by 512 slots, it has 32 bits.

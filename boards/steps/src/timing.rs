@@ -1,4 +1,4 @@
-//! Times of the driver, in slots of the tick.
+//! The times that a driver needs (pulse, gap, set-up, hold), rounded up to whole slots of the tick.
 use crate::data::AxisSteps;
 
 /// Times in slots. All are at most the number of slots of a tick.

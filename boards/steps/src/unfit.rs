@@ -1,4 +1,4 @@
-//! Refused machine data, and the reason.
+//! The reasons for which machine data of the step output are refused.
 use glidepath::machine::AxisName;
 
 /// The reason why [`crate::Steps::new`] refuses the data of a machine.

@@ -1,4 +1,5 @@
-//! Reads the words of a line, by modal group and by letter; nothing is carried out yet.
+//! Reads the words of a line of LinuxCNC, Grbl or Fanuc, and stores them by modal group and by letter.
+//! `order.rs` carries them out.
 use super::words::{NOT_BUILT, WordEntry, find, group};
 use crate::machine::{Dialect, functions};
 use crate::nc::block::Given;

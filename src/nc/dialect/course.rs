@@ -1,5 +1,5 @@
 //! Blocks that consist of several motions: G28 and G30, arcs of several turns, spirals, and canned cycles.
-//! Each call returns one motion or action.
+//! Each call returns one motion, dwell or spindle command.
 use crate::machine::functions;
 use crate::math::angle::atan2_turns;
 use crate::nc::compose::carry;

@@ -1,4 +1,5 @@
-//! Canned cycles: reads their words and begins their holes.
+//! Canned drilling cycles (G73, G74, G81 to G89): reads their words, and begins the holes. `course.rs`
+//! returns the motions one by one.
 use super::Cycle;
 use super::block::Block;
 use super::course::{Acts, Course, CycleKind, Holes, Stage};

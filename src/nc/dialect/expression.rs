@@ -1,8 +1,8 @@
-//! Values of words: `X[#1+2]`, `X-#<depth>`, `XSIN[30]`. The evaluation uses no recursion, but two stacks of
-//! fixed size and operators with priorities.
+//! Evaluates the values of words in LinuxCNC's language: `X[#1+2]`, `X-#<depth>`, `XSIN[30]`. The evaluation
+//! uses no recursion, but two stacks of fixed size, for operands and operators.
 //!
 //! Signs and `#` bind tightest, then `**`, then `*` `/` MOD, then `+` `-`, then comparisons, then AND OR XOR.
-//! Operators of one priority are evaluated from left to right. Angles are in degrees.
+//! Operators of the same priority are evaluated from left to right. Angles are in degrees.
 use super::block::literal;
 use super::parameter::{Name, name};
 use crate::nc::cursor::Cursor;

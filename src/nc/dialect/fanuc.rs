@@ -1,4 +1,5 @@
-//! Special rules for Fanuc controllers: numbers without a decimal point, and the order of some functions.
+//! Rules of Fanuc's controllers that the other dialects do not have: numbers without a decimal point, and
+//! words with another meaning, for example X of G4 and P of M98.
 use super::block::Block;
 use super::words::{Meaning, group};
 use crate::machine::AxisKind;

@@ -1,4 +1,5 @@
-//! The modal state between two lines, which a controller on a serial line reports and restores.
+//! The modal state after a line, which the controller on a serial line reports and restores. Also the stored
+//! zero offsets and positions (G10, G28.1, G30.1).
 use super::course::CycleKind;
 use super::{Interpreter, State};
 use crate::machine::{MORE_OFFSETS, ZERO_OFFSETS};

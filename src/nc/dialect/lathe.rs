@@ -1,4 +1,4 @@
-//! G7 and G8: programmed X of a lathe as a diameter or as a radius.
+//! G7 and G8: a programmed X is a diameter or a radius.
 use super::block::Block;
 use super::words::{Meaning, group};
 use crate::nc::interpreter::Interpreter;

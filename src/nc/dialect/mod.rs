@@ -1,12 +1,12 @@
-//! Decodes programs of LinuxCNC, Grbl and Fanuc.
+//! Decodes lines of LinuxCNC, Grbl and Fanuc programs.
 //!
 //! ```text
-//!  Line → block ──words by group──→ order ─fixed order─→ items of the queue, one motion
+//!  Line → block ──words by group──→ order ─fixed order─→ commands, one motion
 //!                   words: the table of all dialects     └ course: blocks that make several motions
 //! ```
 //!
-//! Plain lines (N, G0, G1, F and axes) go through [`super::plain`], as in ISG's language. Modal state that
-//! both kinds of language have is in [`super::modal::Modal`]; the rest is in [`Foreign`].
+//! Plain lines (only N, G0, G1, F and axis words) take a shorter way, [`super::plain`], as in ISG's language.
+//! Modal state that all languages have is in [`super::modal::Modal`]; the rest is in [`Foreign`].
 mod block;
 mod course;
 mod cycle;

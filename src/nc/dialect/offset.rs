@@ -1,4 +1,5 @@
-//! Shifts of the origin: zero offsets, G92 and tool lengths. Also the positions of G28 and G30.
+//! Shifts of the origin: zero offsets (G54…G59.3), G92, G52 and tool lengths. Also the stored positions of
+//! G28 and G30.
 use super::block::{Block, Said};
 use super::words::Meaning;
 use crate::machine::{Dialect, ZERO_OFFSETS, of_tenths};

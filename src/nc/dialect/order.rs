@@ -1,4 +1,5 @@
-//! Carries out the words of a line, in an order that all dialects share. The order in the text has no effect.
+//! Carries out the words of a line of LinuxCNC, Grbl or Fanuc, in an order that all three share. The order of
+//! words in the text has no effect.
 use super::block::{Block, Said, skip_switch};
 use super::course::{Course, Spiral, Turns};
 use super::words::{Meaning, NOT_BUILT, OF_MILLS, group};

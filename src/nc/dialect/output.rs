@@ -1,4 +1,4 @@
-//! Outputs and inputs of LinuxCNC: M62 to M68.
+//! M62 to M68 of LinuxCNC: digital and analog outputs, and waiting for an input.
 use super::block::Block;
 use super::words::{Meaning, group};
 use crate::machine::functions;

@@ -1,7 +1,7 @@
-//! O words: subroutines, loops and branches. Also subprograms by number, M98 and M99.
+//! O words of LinuxCNC: subroutines, loops and branches. Also M98 and M99: subprograms by number.
 //!
-//! A word finds its partner by its label, `o100` or `o<name>`. In skipped lines, the decoder only reads O
-//! words.
+//! A word finds its partner by the label after O, for example `o100` or `o<name>`. In lines that the program
+//! skips, the decoder reads only O words.
 use super::Interpreter;
 use super::block::literal;
 use super::parameter::{ARGUMENTS, name};

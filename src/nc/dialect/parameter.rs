@@ -1,5 +1,5 @@
-//! `#` parameters: 1…30 of the current call, free ones up to 4999, named ones, and those that report the
-//! state.
+//! `#` parameters: `#1` to `#30` of the current call, other numbers up to `#4999`, named ones, and those that
+//! report the state (from `#5000` on).
 use super::Interpreter;
 use crate::machine::MORE_OFFSETS;
 use crate::nc::cursor::Cursor;

@@ -1,4 +1,4 @@
-//! M70 to M73: save and restore the modal state of the current call.
+//! M70 to M73 of LinuxCNC: save and restore the modal state of the current call.
 use super::spindle::Surface;
 use super::words::Meaning;
 use super::{Interpreter, State};

@@ -1,4 +1,4 @@
-//! Inverse time (G93): F is 1 divided by the block's time in minutes. The feed is the path length times F.
+//! Inverse time (G93): F is 1 divided by the block's time in minutes. So the feed is the path length times F.
 use crate::math::angle::atan2_turns;
 use crate::math::root::sqrt_wide;
 use crate::nc::interpreter::Interpreter;

@@ -1,4 +1,5 @@
-//! The G and M words of LinuxCNC, Grbl and Fanuc: one table for the decoder and for lists of words.
+//! The table of all G and M words of LinuxCNC, Grbl and Fanuc, accepted or refused. The decoder uses this
+//! table, and a test compares the list in `docs/dialects.md` with it.
 use super::course::CycleKind;
 use crate::machine::{Dialect, functions};
 use crate::nc::Plane;

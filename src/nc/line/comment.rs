@@ -1,5 +1,5 @@
-//! Comments of LinuxCNC and Grbl. Comments do not nest, a `\` does not continue a line, and some comments are
-//! messages or commands.
+//! Comments of LinuxCNC, Grbl and Fanuc. Comments do not nest, a `\` does not continue a line, and some
+//! comments are messages or commands.
 use super::LineReader;
 use crate::nc::dialect::Note;
 use crate::nc::{Place, Text};

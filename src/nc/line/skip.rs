@@ -1,4 +1,4 @@
-//! Skips text: the rest of a refused line, or the rest of a replaced text.
+//! Skips text: the rest of a refused line, or the rest of a program that another program replaces.
 use super::{Fill, LineReader, Mark, SLICE};
 use crate::nc::{NcError, Text};
 

@@ -1,10 +1,22 @@
-//! Selects the kind of curve for a corner. A curve over time is selected if the method demands one, or if it
-//! is quicker; otherwise a curve over arc length. With DEV, the motion may also stop in the corner.
+//! Selects the kind of curve for a corner: a curve over time, a curve over arc length, or a stop in the
+//! corner.
 //!
-//! PATH_DEV is the largest permitted deviation. The code estimates the time of each choice over all of the
-//! path that the corner may use, and selects the quickest choice. A curve with a smaller deviation than
-//! PATH_DEV and a stop in the corner are choices too. So a corner never takes longer than a stop, and a
-//! smaller tolerance never makes the corner quicker.
+//! | method | possible kinds |
+//! |---|---|
+//! | DEV, PTP | all three |
+//! | DIST_SOFT | curve over time; a stop, unless ACC_MAX is below 100 % |
+//! | DIST_MASTER | curve over time |
+//! | DIST, POS | curve over arc length |
+//!
+//! A curve over time needs a corner between two lines, both rapid or both at feed, and a slope other than
+//! STEP. With DIST_MASTER, the master axis must have the same speed on both lines. DEV with CONST_VEL and an
+//! active transformation exclude a curve over time. If no curve over time is possible, a curve over arc
+//! length takes its place.
+//!
+//! The planner estimates how long each kind takes over all of the path that the corner may use, and selects
+//! the quickest. PATH_DEV is an upper limit: curves with a smaller deviation are compared too. This estimate
+//! regards one corner alone. By this estimate, a curve of DEV without CONST_VEL never takes longer than a
+//! stop, and a smaller PATH_DEV is never quicker.
 use super::Parameters;
 use super::corner::{Corner, Tolerance};
 use super::curve::{Main, Quintic, aside, plus, size};

@@ -1,9 +1,12 @@
-//! Merges chords (short lines of nearly the same direction) into one line. A curve at a corner takes at most
-//! half of each block, so corners between short chords are slow. The machine data can give a part of PATH_DEV
-//! to lines over several chords. The curves at the corners of these lines have the rest of PATH_DEV.
+//! Merges chords (short lines of nearly the same direction) into one line before corners are rounded. The
+//! curve of a corner takes at most half of each block, so corners between short chords are slow.
 //!
-//! The largest deviation is at a dropped point, because the contour between two points is straight.
-//! [`POINTS`] points are stored one by one. Beyond that number, the deviations of merged lines are added.
+//! The machine data `merge_chords` give a part of PATH_DEV to the merged lines. The curves at the corners of
+//! these lines have the rest of PATH_DEV.
+//!
+//! Between two points the contour is straight, so the deviation is largest at a point that was left out. Up
+//! to [`POINTS`] points are stored one by one. When this memory is full, the deviation so far is kept as one
+//! number, and the deviation of later points is added to this number.
 use super::curve::{aside, foot, plus, size};
 use super::held_block::{HeldBlock, LONGEST_TICKS, Stray, travel};
 use super::{Form, Parameters, ProgrammedBlock};

@@ -1,9 +1,11 @@
-//! Finds how far the curve of a corner may reach into the two blocks.
+//! Finds the corner distances of a curve over arc length: how far the curve reaches into both blocks.
 //!
 //! The curve is a polynomial of the fifth degree, with direction and curvature of the blocks at both ends.
-//! Its length is nearly proportional to its parameter: to 0.2 % in a corner of 90°. The deviation grows with
-//! the corner distances. A search finds the distances that use all of a tolerance, with a few trials per
-//! call.
+//! The speed along the curve over the parameter is nearly constant: in a corner of 90°, the speed varies by
+//! about 0.2 %.
+//!
+//! The deviation grows with the corner distances. A search finds the distances at which the curve uses all of
+//! the tolerance, with a few trials per call.
 use super::curve::{Deviation, Main, Quintic, Side, Site, aside, dot, even_speed, plus, size};
 use super::{Parameters, TANGENTIAL};
 use crate::math::float::{max, min};

@@ -1,13 +1,14 @@
 //! Makes the curve of a corner over its arc length, and cuts the curve into elements.
 //!
-//! The curve is one polynomial of the fifth degree, or two polynomials that meet at a given interim point.
-//! The curve is cut into elements. Position, direction and curvature at a cut are computed once for both
-//! neighbours. Each element is a polynomial over its own arc length. The number of elements depends on the
-//! required accuracy of the path speed.
+//! The curve is one polynomial of the fifth degree. With POS, there are two such polynomials, which meet at
+//! the given interim point. Each element is a polynomial over its own arc length. The required accuracy of
+//! the path speed decides how many elements there are. Position, direction and curvature at a cut are
+//! computed once, for the elements on both sides.
 //!
-//! If the feed counts axes other than the main axes, a path distance means different distances in space
-//! before and after the corner. Then the path is the parameter of the polynomial. Its speed changes over the
-//! corner, and each half is one element.
+//! If the feed axes are not the main axes, path length is not distance in space. The same path length then
+//! means different distances in space before and after the corner. In this case the polynomial's parameter
+//! serves as path length, and each half of the curve is one element. The speed in space changes inside the
+//! curve.
 use super::corner::mean;
 use super::curve::{Main, Quintic, Site, even_speed, plus, size};
 use super::{LSB_32, ONE_32};

@@ -1,6 +1,8 @@
-//! The geometry of a corner in `f32`, relative to its corner point. The module computes how large a curve is,
-//! and where it is cut into elements. Rounding moves a curve by 10^-7 of its size. Elements still meet
-//! exactly, because both neighbours of a cut get the same numbers.
+//! Geometry of a corner in `f32`, relative to the corner point: positions, deviations and lengths of a curve,
+//! and the places at which the curve is cut into elements.
+//!
+//! Rounding moves a curve by 10^-7 of its size. Elements still meet exactly, because the elements on both
+//! sides of a cut use the same numbers.
 use crate::math::float::{magnitude, max, min, to_f32, to_i64};
 use crate::math::root::sqrt_f32;
 use crate::math::trig::sin_cos;

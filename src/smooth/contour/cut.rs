@@ -1,4 +1,4 @@
-//! Computes which parts of both blocks the curve of a corner takes, and what is left of both blocks.
+//! Computes how much of both blocks the curve of a corner takes, and what is left of the blocks.
 use super::curve::Side;
 use super::held_block::HeldBlock;
 use super::{ONE_44, Parameters};

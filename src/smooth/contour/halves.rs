@@ -1,4 +1,5 @@
-//! A curve of two polynomials with equal path length, which meet where the curve is nearest to the corner.
+//! A curve of two polynomials with equal path length. They meet at the point of the curve that is nearest to
+//! the corner.
 use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, Passage};
 use crate::quantity::Position;

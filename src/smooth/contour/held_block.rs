@@ -1,4 +1,5 @@
-//! A block that waits for the next block, and the short blocks after it that are left out.
+//! A block that is held back until the next block is known, because the corner between both may shorten it.
+//! Also the short blocks behind it that are left out of the path.
 use super::curve::{Main, aside, direction, foot, plus, size, space_per_path};
 use super::{Data, Form, LSB_32, Parameters, ProgrammedBlock, Smoothed};
 use crate::dynamics::{Dynamics, Known};

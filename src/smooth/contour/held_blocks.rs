@@ -1,5 +1,9 @@
-//! Stores the held blocks in order. When the first block leaves, only indices change, and no block is moved
-//! in memory. The place of that block then holds the elements that follow, one after the other.
+//! Stores up to three blocks that contour mode holds back, in order. When the first block leaves, only
+//! indices change, so no block is moved in memory.
+//!
+//! When the first block has been emitted, its place holds the elements between this block and the next one:
+//! the corner's curve, or the line over left-out blocks. The place holds one such element at a time, until
+//! the element is emitted.
 use super::Made;
 use super::held_block::HeldBlock;
 

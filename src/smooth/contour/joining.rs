@@ -1,5 +1,5 @@
-//! Makes the curve of a corner, in bounded steps. The steps select the kind of curve, find how far the curve
-//! reaches into the blocks, and make its elements.
+//! Makes the curve of a corner in bounded steps. The steps select the kind of curve, and find how far the
+//! curve reaches into both blocks. The next steps shorten the blocks and make the elements of the curve.
 use super::choice::{Approach, Candidate, Choice, bends, passes, shallow_distance};
 use super::corner::{AIM, Corner, Reach, Tolerance, turn};
 use super::corner_curve::{CONSTANT, CornerCurve, EVEN, Fit, Rehearsal};

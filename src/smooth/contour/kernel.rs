@@ -5,12 +5,15 @@
 //! Q(s) = P(s) + d·(c − |s|)³ / (6·c²)     −c ≤ s ≤ c,   d = t2 − t1
 //! ```
 //!
-//! P is the contour over its own length s, counted from the corner. Over the length 2·c, the direction
-//! changes from t1 to t2 by d. The second derivative rises and falls linearly: it is d/c in the middle and
-//! zero at both ends. So the third derivative is ±d/c², the least of all curves of this length. The deviation
-//! is |d|·c/6 in the middle and less elsewhere. |Q'| is at most 1. So with the contour's length as path
-//! distance, the speed along the curve does not exceed the feed. In the middle, the speed is cos(θ/2) times
-//! the feed, where θ is the change of direction.
+//! P is the contour over its own length s, counted from the corner. c is the distance from the corner to both
+//! ends of the curve. Over the length 2·c, the direction changes from t1 to t2.
+//!
+//! The second derivative rises and falls linearly: it is d/c in the middle and zero at both ends. So the
+//! third derivative is ±d/c², the smallest of all curves of this length. The deviation is |d|·c/6 in the
+//! middle and less elsewhere.
+//!
+//! The length s of the contour is the path distance. |Q'| is at most 1, so the speed along the curve does not
+//! exceed the feed. In the middle, the speed is cos(θ/2) times the feed, where θ is the change of direction.
 use crate::math::float::{magnitude, to_i64};
 use crate::quantity::Position;
 

@@ -1,38 +1,48 @@
 //! Contour mode (G61, G261, `#CONTOUR MODE`): corners between blocks become curves with continuous direction
-//! and curvature. A curve stays inside a tolerance (DEV), begins and ends at given distances (DIST), or
-//! passes a given point (POS). With DIST_SOFT, DIST_MASTER and PTP, the axes change their speed as fast as
-//! their limits permit: `timed.rs`. DEV does the same where this is quickest.
+//! and curvature.
 //!
-//! A block is held back until the next block is known, but only if its end is to be rounded. A corner only
-//! shortens the block's path length; the block's curve stays the same to the last bit. The shortened end is
-//! between two steps of a position. The corner's curve begins on the nearest step, so each axis is off by at
-//! most half a step. The block after the corner begins on the step nearest to the curve's end. An arc is then
-//! computed again from there; a line keeps its direction and has a shorter path.
+//! | method | curve of a corner |
+//! |---|---|
+//! | DEV | stays inside the tolerance PATH_DEV |
+//! | DIST | begins and ends at given distances from the corner |
+//! | POS | passes a given point |
+//! | PTP, DIST_SOFT, DIST_MASTER | the axes change their speed as fast as their limits permit (`timed.rs`); DEV uses this curve too where it is quickest |
 //!
-//! Blocks that are too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) are left out. The curve leads from
-//! the last block before them to the first block that ends beyond the limit. With DEV, a line before a corner
-//! that is shorter than RELEVANT_PATH is joined to the next line; with the other methods, the limit is 16 µm.
-//! If there is no curve, a straight line replaces the blocks that are left out. Their deviation counts
-//! against the tolerance (ISG's manuals do not describe this rule). So the tolerance limits RELEVANT_PATH.
-//! RELEVANT_PATH is at least 32 µm, or a quarter of a given corner distance if this is less.
+//! **Blocks.** A block whose end is to be rounded is held back until the next block is known. A corner
+//! shortens the block before it, and does not change any other coefficient of that block. In general, the
+//! shortened end is not a multiple of 2^-32 mm, the LSB of a position. So the curve begins at the nearest
+//! such position, and each axis is off by at most 2^-33 mm. The block after the corner begins at the end of
+//! the curve. An arc is computed again from there; a line keeps its direction and becomes shorter.
 //!
-//! With DEV a line may replace nearly straight chords, if the machine data permit it: `chords.rs`.
+//! **Short blocks.** A block that is too short for a curve (RELEVANT_PATH, RELEVANT_TRACK) is left out. The
+//! curve then leads from the last block before such blocks to the first block that ends farther away. If no
+//! curve is possible, a straight line replaces the blocks. A short line before a corner is joined to the
+//! block after the corner. With DEV, short means RELEVANT_PATH here; with the other methods at most 16 µm.
+//! POS neither leaves out nor joins blocks.
 //!
-//! The parameters of a corner are those in force at two times. CHECK_JERK and CONST_VEL are those at the
-//! block after the corner. All others, PRE_ACTION, INTER_ACTION and POST_ACTION included, are those at the
-//! block before the corner. G260 and `#CONTOUR MODE OFF` between two blocks cancel the curve between them;
-//! inside the second block they do not. A keyword that the current method does not have counts as never
-//! given.
+//! The deviation of left-out blocks counts against the tolerance, so the tolerance also limits RELEVANT_PATH.
+//! (ISG's manuals do not describe this rule.) RELEVANT_PATH is at least 32 µm, or a quarter of the given
+//! corner distances if this is less.
 //!
-//! A dwell between two blocks, or another command that demands a stop, belongs to the programmed corner. The
-//! motion cannot stop there on a curve that replaces the corner. So the corner stays sharp, and a warning
-//! reports this for a dwell. (ISG's manuals print a program with a dwell after G61, and do not say what
-//! happens to the corner.)
+//! A run of left-out blocks ends at a stop, at the program end, and where contour mode is switched off or
+//! gets other parameters. The corner before the run is rounded. The straight line over the run is then the
+//! block after this corner, and its end stays exact. A command that changes nothing, for example a second
+//! G261, does not end the run.
 //!
-//! A run of blocks left out ends where contour mode is switched off or gets other parameters, at a stop, and
-//! at the program end. The corner before the run is rounded; the block after this corner is the straight line
-//! over the run. The motion passes the end of this line exactly. A command that changes nothing, for example
-//! a second G261, does not end the run.
+//! With DEV, one line may also replace nearly straight chords, if the machine data permit this (`chords.rs`).
+//!
+//! **Parameters.** CHECK_JERK and CONST_VEL act with the values that are in force when the planner makes the
+//! curve. By then the planner has read the block behind the corner. All other keywords act with the values in
+//! force at the block before the corner; so do PRE_ACTION, INTER_ACTION and POST_ACTION. A keyword that the
+//! current method does not have counts as not programmed.
+//!
+//! G260 or `#CONTOUR MODE OFF` on a line of its own between two blocks cancels the curve between the blocks.
+//! If the command is in the line of the block after the corner, the curve stays.
+//!
+//! **Stops.** A dwell between two blocks, or another command that demands a stop, belongs to the programmed
+//! corner. The motion cannot stop there on a curve that replaces the corner. So the corner stays sharp, and
+//! for a dwell the planner reports a warning. (ISG's manuals print a program with a dwell after G61, and do
+//! not say what happens to the corner.)
 mod choice;
 mod chords;
 mod corner;

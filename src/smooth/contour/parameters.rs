@@ -1,4 +1,4 @@
-//! Parameters of `#CONTOUR MODE`; each stays until the program sets it again.
+//! Parameters of `#CONTOUR MODE`. A parameter keeps its value until the program sets it again.
 use super::corner::{Tolerance, Turn};
 use super::held_block::Stray;
 use super::{REVERSAL, TANGENTIAL};

@@ -1,16 +1,20 @@
-//! The curve of a corner between two lines with the same distance c on both sides, in closed form.
+//! The curve over arc length for a corner between two lines, with the same distance c from the corner to both
+//! ends, in closed form.
 //!
-//! With p = (t1 + t2)/2 and n = (t2 − t1)/2, which are at a right angle, C = |p| = cos θ/2 and x = 2·u − 1, the
-//! even quintic of [`super::corner`] is
+//! The curve is the polynomial of the fifth degree of [`super::corner`]. Let t1 and t2 be the directions of
+//! the lines, and θ the change of direction. The vectors p = (t1 + t2)/2 and n = (t2 − t1)/2 are at a right
+//! angle. With C = |p| = cos(θ/2) and x = 2·u − 1, the derivative over the parameter u = 0…1 is
 //!
 //! ```text
 //! Q'(u) = p·(v + w·15/8·(1 − x²)²) + n·v·x·(3 − x²)/2      w = 2·c − v,   v = 30·C·c/(8 + 7·C)
 //! ```
 //!
-//! The speed is v at both ends and in the middle. The middle is at c − 5/16·v times n from the corner, with
-//! the direction p/C and the curvature 3·n/v. So the deviation in the middle is known without a search, and
-//! both halves are equal. The length of a half and the change of its speed depend on C alone. The speed
-//! changes by 0.9 ‰ up to a turn of 100°.
+//! The speed |Q'| is v at both ends and in the middle. The middle is at (c − 5/16·v)·n from the corner, with
+//! the direction p/C and the curvature 3·n/v. So the deviation in the middle is known without a search. Both
+//! halves are equal, and for a given c their length depends on C alone.
+//!
+//! Each half is emitted as one polynomial of the fifth degree over its own length. Up to a turn of 100°, the
+//! speed along this polynomial differs from the path speed by at most 0.9 ‰.
 use super::ONE_32;
 use super::corner::{Corner, Tolerance};
 use super::corner_curve::EVEN;

@@ -1,34 +1,37 @@
 //! A curve over time for a corner between two lines. The motion along the first line brakes to a stop. The
-//! motion along the second line starts before the first has ended, and speeds up. Both motions change their
-//! speed by a trapezoid of acceleration, with ramps of constant jerk.
+//! motion along the second line starts before the first motion has ended, and accelerates. The curve is the
+//! sum of both motions. Both change their speed by a trapezoid of acceleration, with ramps of constant jerk.
 //!
 //! ```text
 //! Q(t) = C − t1·p(T − t) + t2·p(t − S)      p: path from rest to the speed v in the time T,  S = T − overlap
 //! ```
 //!
-//! **Why this shape.** With a small tolerance, only the last ramp of one motion and the first ramp of the
-//! other overlap. The curve is then the cubic with the corner as its double inner control point, Q = C −
-//! c·t1·(1 − u)³ + c·t2·u³. This shape is the fastest one that keeps the jerk of every axis. A curve over arc
-//! length is slower: its jerk has the term 3·κ·v·a. With separate limits of speed, acceleration and jerk,
-//! either the speed is low or the acceleration is zero. So the path distance of this curve is time: the
-//! elements are functions of σ = v·t. Each axis is a polynomial of the third degree between two changes of
-//! jerk. At the constant path speed v, every axis moves as planned: it brakes on the line before the corner
-//! and speeds up on the line after. At a lower path speed r·v, all accelerations have the factor r² and all
-//! jerks the factor r³. If both motions overlap completely, the path speed is the feed. Each axis then
-//! changes its speed with one constant acceleration: the curve of DIST_SOFT.
+//! C is the corner point; t1 and t2 are the directions of the lines.
 //!
-//! DIST_MASTER uses this curve with the master axis as path ([`mod@crate::path::measure`]). The master's
-//! tangent is 1 on both lines and along the whole curve, so the master keeps its speed.
+//! **Why this shape.** With a small tolerance, only the last ramp of the first motion and the first ramp of
+//! the second overlap. The curve is then the cubic Q = C − c·t1·(1 − u)³ + c·t2·u³, with u = 0…1 over the
+//! overlap. This shape is the fastest one that keeps the jerk of every axis. A curve over arc length is
+//! slower, because its jerk has the term 3·κ·v·a, with the curvature κ and the acceleration a along the path.
+//! If speed, acceleration and jerk are limited separately, either v is low there or a is zero.
 //!
-//! The speed along the curve is below the path speed, and far below at the corner. So CONST_VEL does not use
+//! So the path distance of this curve is the time multiplied by the feed: σ = v·t. Between two changes of
+//! jerk, each axis is a polynomial of the third degree in σ. At the constant path speed v, every axis moves
+//! as planned. At a lower path speed r·v, all accelerations have the factor r² and all jerks the factor r³.
+//! If both motions overlap completely, each axis changes its speed by one trapezoid of acceleration: the
+//! curve of DIST_SOFT.
+//!
+//! DIST_MASTER uses this curve with the travel of the master axis as path ([`mod@crate::path::measure`]). The
+//! tangent of the master axis is 1 on both lines and along the whole curve, so the master keeps its speed.
+//!
+//! In space, the speed along the curve is lower than v, and much lower at the corner. So CONST_VEL excludes
 //! this curve.
 //!
 //! **Deviation.** At the middle of the overlap, both motions are equally far from the corner: p(overlap/2) =
-//! e. The curve is then e·|t2 − t1| from the corner. Every other point is at most e·sin θ from the line ahead
-//! or behind, which is less.
+//! e. The curve is there e·|t2 − t1| from the corner. Every other point is at most e·sin θ from the nearer
+//! line, which is less.
 //!
-//! **Numbers.** The overlap is chosen in `f32`. The curve itself uses integers with 62 fraction bits: p as a
-//! part of a motion's distance, and the place as a part of a motion's path.
+//! **Numbers.** The overlap is computed in `f32`. The curve itself uses integers with 62 fraction bits: p as
+//! a fraction of the length of one motion, and the place as a fraction of its path.
 use super::LSB_40;
 use crate::math::divide::reciprocal_near;
 use crate::math::float::{magnitude, max, min, to_bits, to_f32};

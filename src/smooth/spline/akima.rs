@@ -1,18 +1,21 @@
-//! Computes Akima's curve, which passes every point. The slope at a point depends on five points: this one
-//! and two on each side.
+//! Computes Akima's curve, which passes through every point. The slope at a point depends on the point itself
+//! and on two points at each side.
 //!
-//! The parameter of the curve is the length of the chords. Let m be the slopes of the chords, two before a
-//! point and two after it. The slope of the curve at the point is
+//! The parameter of the curve is the length of the chords, the straight lines between the points. Let m₋₂ and
+//! m₋₁ be the slopes of the two chords before a point, and m₊₁ and m₊₂ those of the two chords after it. The
+//! slope of the curve at the point is
 //!
 //! ```text
 //! t = (w_behind·m₋₁ + w_before·m₊₁) / (w_behind + w_before)
 //! w_behind = |m₊₂ − m₊₁|, w_before = |m₋₁ − m₋₂|
 //! ```
 //!
-//! Lengths count along the axes of the path, so the shape of the curve does not depend on its direction in
-//! the machine. Other axes use the same weights. Missing chords at an end are extrapolated: m₋₁ = 2·m₊₁ −
-//! m₊₂, and so on (automatic). If the program demands a slope at the end (tangential, or given as a vector),
-//! the missing chords are chosen so that the curve has this slope.
+//! Lengths count along the path axes, so the shape of the curve does not depend on its direction in the
+//! machine. Other axes use the same weights.
+//!
+//! At an end of the curve, chords are missing. By default they are extrapolated: m₋₁ = 2·m₊₁ − m₊₂, and so
+//! on. The program may also demand the slope at an end (tangential, or a given vector). The missing chords
+//! are then chosen so that the curve has this slope.
 //!
 //! Akima, A new method of interpolation and smooth curve fitting based on local procedures, J. ACM 17 (1970).
 use super::window::{Leg, Window};

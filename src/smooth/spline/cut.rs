@@ -1,9 +1,9 @@
-//! Cuts a piece of a spline into elements over their own arc length. The piece is a cubic over a parameter u
-//! = 0…1.
+//! Cuts a piece of a spline, a cubic over a parameter u = 0…1, into elements over their own arc length.
 //!
-//! An element is a polynomial of the fifth degree with position, direction and curvature of the cubic at both
-//! ends. An element is accepted if its path speed is accurate to [`EVEN`], and its distance from the cubic is
-//! below [`NEAR`]. Otherwise an element of half the length is tried.
+//! An element is a polynomial of the fifth degree, with position, direction and curvature of the cubic at
+//! both ends. The planner accepts an element under two conditions. The speed along the element differs from
+//! the path speed by at most the fraction [`EVEN`]. The distance of the element from the cubic is below
+//! [`NEAR`]. Otherwise the planner tries an element of half the length.
 use crate::math::float::max;
 use crate::path::poly::{Draft, Knot};
 use crate::path::{Element, End};

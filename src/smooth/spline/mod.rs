@@ -1,23 +1,31 @@
-//! Splines: the end points of linear blocks become the points of a smooth curve.
+//! Splines: the end points of lines become the points of a smooth curve.
 //!
 //! | command | curve | file |
 //! |---|---|---|
 //! | G151, #SPLINE TYPE AKIMA | through all points | `akima.rs` |
 //! | G151, #SPLINE TYPE BSPLINE | B-spline with the points as its control points | `polygon.rs` |
-//! | #HSC \[BSPLINE\] | B-spline with the points as its control points, inside a tolerance | `polygon.rs` |
-//! | #HSC \[OPMODE=2\] | through all points, inside a tolerance in prismatic parts | both |
+//! | #HSC \[BSPLINE\] | B-spline with the points as its control points, inside a tolerance | `polygon.rs`, or Surface |
+//! | #HSC \[OPMODE=2\] | through all points, except at prismatic corners, which are rounded inside a tolerance | both |
 //!
-//! The curve over a block depends on a few points before and after it, so blocks are held until these points
-//! are known. A command that demands a stop between two blocks (a dwell, a wait, the end of the program) ends
-//! the curve there. The next block then begins a new curve. At an exact stop (G60, G360), the motion stops on
-//! the curve; on a B-spline, at the place nearest to the point. A block becomes a straight line between two
-//! curves in three cases. The block moves no axis of the path. The block is far longer than the travel of
-//! these axes. The block is shorter than half a micrometre. An arc is passed unchanged; an Akima spline is
-//! tangential at both of its ends.
+//! Surface (`surface/mod.rs`) makes the curve of `#HSC \[BSPLINE\]` if PATH_DEV is above 0, and
+//! AUTO_OFF_PATH, AUTO_OFF_TRACK and P-CHAN-00239 are off. A build without Surface always uses `polygon.rs`.
 //!
-//! An Akima spline has a continuous direction; its curvature has steps at its points. If machine data limit
-//! the jerk of such a step (P-CHAN-00009), both sides get the same curvature at the point: the mean. This
-//! moves the curve near the point by at most `cut::BENT`.
+//! The curve over a block depends on a few points before and after it, so blocks are held back until these
+//! points are known. A command that demands a stop (a dwell, a wait, the end of the program) ends the curve
+//! at the last point. The next block then begins a new curve. At an exact stop (G60, G360), the motion stops
+//! on the curve; on a B-spline, at the place nearest to the point.
+//!
+//! A line stays straight, between two curves, in three cases:
+//!
+//! - the line moves no axis of the path;
+//! - its path length exceeds the travel of these axes by more than a thousandth;
+//! - these axes travel less than half a micrometre.
+//!
+//! An arc is passed on unchanged. An Akima spline is tangential to the arc at both ends of the arc.
+//!
+//! An Akima spline has a continuous direction; its curvature has steps at its points. If P-CHAN-00009 limits
+//! the jerk of such a step, and the slope is not STEP, both sides get the same curvature at the point: the
+//! mean. This moves the curve near the point by at most `cut::BENT`.
 mod akima;
 mod cut;
 mod parameters;

@@ -1,4 +1,4 @@
-//! Parameters of splines, as programs set them: kinds, directions at the ends, tolerances.
+//! Parameters of splines, as the program sets them: kind of spline, directions at the ends, tolerances.
 use super::LSB_32;
 use super::polygon::Tolerance;
 use super::window::along;

@@ -1,28 +1,32 @@
-//! Computes B-splines: the points are the corners of a polygon that controls the curve.
+//! Computes B-splines. The points are the corners of a polygon, the control polygon, which the curve follows.
 //!
-//! The curve is a cubic B-spline with knots at equal distances k = 1. For the leg from C₁ to C₂, with C₀
-//! before it and C₃ after it, the Bézier points of the piece are
+//! The curve is a cubic B-spline with knots at equal distances. Let a leg (side of the polygon) lead from C₁
+//! to C₂, with C₀ before it and C₃ after it. The Bézier points of the curve over this leg are
 //!
 //! ```text
 //! B₀ = C₁ + Δ₁/6,  B₁ = C₁ + D/3,  B₂ = C₁ + 2D/3,  B₃ = C₂ + Δ₂/6        D = C₂ − C₁,  Δᵢ = Cᵢ₋₁ − 2·Cᵢ + Cᵢ₊₁
 //! ```
 //!
-//! The piece is L(u) + (1−u)³·Δ₁/6 + u³·Δ₂/6, with the point L(u) of the leg. So its distance from the leg is
-//! known without a search. With the directions t₁, t₂ of two legs, and the distances a, b of the control
-//! points next to a corner, Δ = b·t₂ − a·t₁. The component of Δ along a leg moves the curve only along that
-//! leg. The component across the leg moves the curve by at most max(a, b)·|t₂ − t₁|/6. So a corner keeps its
-//! tolerance if no control point next to it is farther away than
+//! The curve over the leg is L(u) + (1−u)³·Δ₁/6 + u³·Δ₂/6, with the point L(u) of the leg and u = 0…1. So its
+//! distance from the leg is known without a search.
+//!
+//! **Tolerance.** Let t₁ and t₂ be the directions of the legs before and after a corner. Let a and b be the
+//! distances from the corner to the control points next to it. Then Δ = b·t₂ − a·t₁. The component of Δ along
+//! a leg moves the curve only along that leg. The component across the leg moves the curve by at most max(a,
+//! b)·|t₂ − t₁|/6. So the curve at a corner stays inside the tolerance if no control point next to the corner
+//! is farther away than
 //!
 //! ```text
 //! d = 6·PATH_DEV / |t₂ − t₁|
 //! ```
 //!
-//! A longer leg gets another control point at that distance, which splits the block. Such a point has Δ = 0,
-//! as if there were a point at the same distance on its other side. So the curve between two such points is a
-//! line. For a tracking axis, the same formula applies with the change of its slope dx/ds and TRACK_DEV.
-//! Where Δ is 0, the curve passes the control point.
+//! A longer leg gets an additional control point at the distance d, which splits the leg. At such a point, Δ
+//! is set to 0. So the curve passes through this point, and is a straight line between two such points. For a
+//! tracking axis, the same formula applies with the change of its slope dx/ds in place of t₂ − t₁, and with
+//! TRACK_DEV.
 //!
-//! A direct spline begins and ends at its outer points, with knots at distance 0 (clamped): see [`direct`].
+//! A direct spline (G151) begins and ends at its first and last point, with knots at distance 0 there
+//! (clamped): see [`direct`].
 use super::window::{Leg, Window};
 use crate::math::float::{magnitude, max, min};
 use crate::smooth::contour::curve::{plus, size};

@@ -1,4 +1,5 @@
-//! Stores the points of a curve that are needed at a time, and computes the legs between them.
+//! Stores the points on which the current part of a spline depends, at most eight, and computes the straight
+//! lines (legs) between them.
 use super::LSB_32;
 use crate::math::float::to_f32;
 use crate::nc::Place;

@@ -1,10 +1,12 @@
-//! Checks in integers that a cell (the quintic between two knots of the path) or a line stays inside the
-//! tolerance.
+//! Checks, in integers, that a cell of Surface or a line stays inside the tolerance. A cell is the polynomial
+//! of the fifth degree between two knots of the smoothed path.
 //!
-//! A polynomial lies inside the hull of its Bernstein coefficients. The part of a cell next to a programmed
-//! chord, minus the chord, is such a polynomial. If all its coefficients are inside the tolerance, the path
-//! is inside the tolerance. Path and chords are compared at equal fractions of both lengths, so the path
-//! follows the contour in order.
+//! A polynomial lies inside the convex hull of its Bernstein coefficients. The difference between a part of a
+//! cell and the programmed chord beside this part is such a polynomial. If all coefficients of the difference
+//! are inside the tolerance, the path is inside the tolerance.
+//!
+//! Path and chords are compared at equal fractions of both lengths, so the path also follows the contour in
+//! its order.
 use super::parameters::Tolerance;
 use crate::math::float::{max, to_f32};
 use crate::math::wide::mul_shift;

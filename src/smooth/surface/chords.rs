@@ -1,4 +1,4 @@
-//! Turns blocks into chords: a line becomes one chord, an arc many. Between the ends of a long chord, the
+//! Turns blocks into chords for Surface: a line becomes one chord, an arc many. Inside a long chord, the
 //! module adds vertices on the smooth curve that the chords approximate.
 use super::parameters::{Parameters, Tolerance, Used};
 use super::window::{Programmed, Space, Vertex, Window, smoothness};

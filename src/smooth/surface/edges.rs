@@ -1,7 +1,14 @@
-//! Decides which corners are edges: corners between two lines that contour mode rounds in place of Surface. A
-//! smoothing curve of Surface takes no turn above 102 degrees, because the path would be much shorter than
-//! its polygon. Contour mode is also quicker if both lines are long compared with the smoothing curve, or if
-//! the smoothing curve is slow. The reason: the speed can change inside a curve of contour mode.
+//! Decides which corners between two lines are edges. Contour mode rounds an edge, and Surface all other
+//! corners.
+//!
+//! A corner of more than 102 degrees is an edge. There the path of a smoothing curve would be much shorter
+//! than its polygon.
+//!
+//! A smaller corner is an edge under two conditions. Both lines are long compared with the smoothing curve.
+//! Contour mode passes the corner in less time than the smoothing curve, because the speed can change inside
+//! a curve of contour mode. With the slope STEP, the lengths alone decide.
+//!
+//! A corner beyond MAX_ANGLE, and a line straight back, are no edges and are not rounded.
 use super::chords::Chord;
 use super::parameters::{Parameters, Tolerance, Used};
 use super::window::{Programmed, Space};

@@ -1,16 +1,18 @@
-//! Computes points of the smoothed path Q. Q is the control polygon P, with a smoothing polynomial (kernel)
-//! at each vertex.
+//! Computes points of Surface's smoothed path Q. Q is the control polygon P plus one smoothing curve (kernel)
+//! at each vertex of the polygon.
 //!
-//! Over the length s of the polygon, with d_i the step of its direction at vertex i, c_i the half width of its
-//! kernel and u = 1 − |s − s_i|/c_i,
+//! Let s be the length along the polygon. Vertex i is at s_i, the direction changes there by d_i, and c_i is
+//! half the width of its kernel. With u = 1 − |s − s_i|/c_i,
 //!
 //! ```text
 //! Q = P + Σ d_i·c_i·u³/6      Q' = P' ± Σ d_i·u²/2      Q'' = Σ d_i·u/c_i
 //! ```
 //!
-//! The sum is over all vertices nearer than c_i. Q is twice continuously differentiable for any widths. The
-//! path distance of an element is s. |Q'| is at most 1, because the path is shorter than the polygon. So the
-//! speed does not exceed the feed, and the curvature of a sharp turn depends on the width of its kernel.
+//! The sum is over all vertices that are nearer than c_i. Q is twice continuously differentiable for any
+//! widths.
+//!
+//! The path distance of an element is the length s. |Q'| is at most 1, because the path is shorter than the
+//! polygon, so the speed does not exceed the feed.
 use super::window::{SLOWEST, Vertex, Window, step};
 use crate::math::float::{max, min, to_i64};
 use crate::math::wide::mul_shift;

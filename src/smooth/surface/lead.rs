@@ -1,20 +1,21 @@
-//! Computes the lead: near a transition from a straight run to a curve, the points of the control polygon
-//! move sideways from the contour.
+//! Computes the lead of a point: how far the point of the control polygon moves sideways from the contour
+//! near a transition from a straight run to a curve.
 //!
-//! At such a transition the curvature rises in a ramp. Kernels alone place this ramp evenly on both sides of
-//! the transition. On the curve there is little room, because its chords have used the tolerance. On the
-//! straight run, all of the tolerance is free. So points of the run move inwards some distance before the
-//! transition, and points near the transition move outwards. Most of the ramp then lies on the run.
+//! Without a lead, the smoothing curves (kernels) spread the rise of the curvature evenly to both sides of
+//! the transition. The curve has little room for this, because the deviation of its chords has used the
+//! tolerance. The straight run has all of the tolerance. So points of the run move inwards some distance
+//! before the transition, and points near the transition move outwards. Most of the rise then lies on the
+//! run.
 //!
-//! The shift of a point is a sum over the turns ahead, within 1.25 kernel widths. A step of curvature k at a
-//! distance of t widths c moves the point by k·c²/24·L(t); a positive L moves it inwards. The shift acts as
-//! far as the contour before the point is straight, compared with the part ahead and its tolerance. The same
-//! holds in reverse direction, so a path has the same points in both directions. On a constant curvature no
-//! point moves. On a free-form surface, which is bent on both sides, points hardly move.
+//! The lead of a point is a sum over the turns ahead of it, up to 1.25 kernel widths away. A step of
+//! curvature k at a distance of t·c, with the kernel width c, moves the point by k·c²/24·L(t); a positive L
+//! moves the point inwards. The lead acts as far as the contour before the point is straight. The same holds
+//! in reverse direction, so a path has the same points in both directions. On a constant curvature no point
+//! moves. On a free-form surface, which is bent on both sides of a point, points hardly move.
 //!
-//! The shift falls to zero in two cases. Before a curve with narrow kernels, the tolerance leaves no room on
-//! the run either. Before a curve with very short chords, the window has no room for kernels as wide as on
-//! the run. Before a gentle curve the shift is smaller.
+//! Two kinds of curve get no lead. Before a curve with narrow kernels, the tolerance leaves no room on the
+//! run either. Before a curve with very short chords, the window of 64 vertices has no room for kernels as
+//! wide as on the run. Before a gentle curve, the lead is smaller.
 use super::parameters::{Parameters, Tolerance};
 use super::window::{VERTICES, Vertex, Window};
 use crate::math::float::{max, min};

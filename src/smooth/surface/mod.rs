@@ -2,24 +2,33 @@
 //! tolerance. The curve hardly depends on where exactly the programmed points lie on the surface of the
 //! workpiece.
 //!
-//! The contour is a sequence of vertices. Each vertex has a smoothing polynomial, its kernel, which rounds
-//! the polygon over a part of the path (`knot.rs`). A kernel is as wide as the tolerance permits. The kernels
-//! cut off corners. So the vertices first move out by the same amount, and the result follows the curve that
-//! the chords approximate (`window.rs`). The vertices move further where a straight run changes into a curve
-//! (`lead.rs`). The output is a sequence of quintics through position, direction and curvature at knots about
-//! half a kernel apart (`cell.rs`). There are far fewer quintics than blocks. The search uses `f32`. Before
-//! an element is emitted, a check in integers proves that the element is inside the tolerance. If the check
-//! fails, the kernels are made narrower and the element is tried again. If no kernel is narrow enough, the
-//! motion goes straight to the next vertex and stops there.
+//! **Method.** The contour is a sequence of vertices. Each vertex has a smoothing curve, its kernel, which
+//! rounds the polygon over a part of the path (`knot.rs`). A kernel is as wide as the tolerance permits.
+//! Kernels cut off corners. So the vertices first move outwards by the same amount, and the result follows
+//! the curve that the chords approximate (`window.rs`). Vertices move farther where a straight run changes
+//! into a curve (`lead.rs`). The output is a sequence of polynomials of the fifth degree (cells), which meet
+//! at knots about half a kernel apart. There are far fewer cells than blocks.
 //!
-//! Before an edge, which belongs to contour mode, a run ends in the middle of a line (`edges.rs`,
-//! `smooth/edged.rs`). A run ends exactly in a vertex at an exact stop, a dwell, a function with
-//! acknowledgement, or a turn beyond MAX_ANGLE. So does a run at an arc that stays exact, at a block without
-//! main axes, and with AUTO_OFF_G00 at a rapid block. A change of feed, or a function without
-//! acknowledgement, begins a new element but does not end the run.
+//! **Tolerance.** The planner computes the curve in `f32`. Before an element is emitted, integers check that
+//! all of the element is inside the tolerance (`cell.rs`). If this check fails, the kernels become narrower
+//! and the planner tries the element again. If no kernel is narrow enough, a straight line leads to the next
+//! programmed point, with a corner there; the planner reports a warning.
+//!
+//! **Ends of a run.** Before an edge, a run ends in the middle of a line, and contour mode rounds the edge
+//! (`edges.rs`, `smooth/edged.rs`). A run ends exactly at a vertex in these cases:
+//!
+//! - a turn beyond MAX_ANGLE;
+//! - a dwell, or a function with acknowledgement;
+//! - an exact stop (for the B-spline of `#HSC`, only with AUTO_OFF_G60);
+//! - an arc that stays exact;
+//! - a block without main axes;
+//! - with AUTO_OFF_G00, a rapid block.
+//!
+//! A change of feed, or a function without acknowledgement, begins a new element; the run continues.
 //!
 //! Late text also ends a run, if the motion would otherwise stop. Only in this case does the path depend on
-//! the arrival time of text.
+//! the arrival time of text. Where Surface works for `#CONTOUR MODE [DEV]` (`smooth/row.rs`), it waits for
+//! late text instead.
 mod cell;
 mod chords;
 mod edges;

@@ -1,4 +1,4 @@
-//! Parameters of `#HSC \[SURFACE\]`; each stays until the program sets it again.
+//! Parameters of `#HSC \[SURFACE\]`. A parameter keeps its value until the program sets it again.
 use crate::math::float::{max, min, to_f32};
 use crate::math::root::sqrt_f32;
 use crate::nc::Hsc;

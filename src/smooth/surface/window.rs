@@ -1,9 +1,12 @@
-//! Stores the vertices from which the points of the path are computed.
+//! Stores the vertices from which Surface computes the points of its path: at most 64.
 //!
-//! A vertex is a point of the programmed contour, or an additional point on a chord. Each vertex has its
-//! point of the *control polygon*, which the kernels smooth. Three passes run over the vertices: widths, then
-//! points of the control polygon, then knots of the path. Each pass follows the pass before at the distance
-//! that it has to look ahead.
+//! A vertex is a point of the programmed contour, or an additional point on a chord. Each vertex has a point
+//! of the *control polygon*, which the smoothing curves (kernels) round.
+//!
+//! Three passes run over the vertices. They give each vertex the width of its kernel, then its point of the
+//! control polygon, and then check the path beside it. A pass needs some of the vertices ahead of it, so each
+//! pass stays that far behind the pass before. If a check fails, the kernels there become narrower. The path
+//! is made up to the last checked vertex.
 use super::knot::Spot;
 use super::narrowing::Narrowing;
 use super::parameters::{Parameters, Tolerance, Used};

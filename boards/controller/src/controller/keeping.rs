@@ -1,4 +1,5 @@
-//! Offsets and stored positions go to the store when the axes stand still.
+//! Stores work offsets and the positions of G28 and G30 in the parameter store, as soon as the axes stand
+//! still.
 use super::{Around, Controller};
 use crate::motion::{Motion, Offsets};
 use crate::store::Store;

@@ -1,4 +1,4 @@
-//! Carries out lines and answers them.
+//! Carries out received lines and answers each with `ok` or an error number.
 use super::{Around, Controller, Mode};
 use crate::line::{Assembler, Line};
 use crate::motion::{Motion, Refusal, Taken};

@@ -1,4 +1,4 @@
-//! The wanted levels of the pins of spindle, coolant and motors.
+//! Computes the wanted state of spindle, coolant and motors for the output pins.
 use super::{Around, Controller, Door, Mode};
 use crate::motion::{Motion, Spindle};
 

@@ -1,4 +1,5 @@
-//! Real-time bytes, pins, and results of the motion side: they determine the state.
+//! Changes the state of the controller (Idle, Hold, Jog, Alarm, …) by real-time bytes, pins and results of
+//! the motion.
 use super::outputs::{COOLANT_MS, SPINDLE_MS};
 use super::{Around, Controller, Door, Mode, Outputs};
 use crate::inbox::{Key, Request};

@@ -1,8 +1,9 @@
-//! The homing cycle, which finds the positions of the switches.
+//! The homing cycle, which finds the positions of the limit switches.
 //!
-//! The third axis goes first, then the others together. Each axis moves to its switch, brakes, pulls off, and
-//! approaches the switch again slowly. The timer interrupt latches the position at which the input changes.
-//! This latched position is the position of the switch, so the braking distance does not reduce the accuracy.
+//! The third axis goes first, then all others together. Each axis moves to its switch, brakes, and moves away
+//! from the switch. The axis then approaches the switch again slowly, and moves away again. The timer
+//! interrupt stores the position at which the input changes. This stored position counts as the position of
+//! the switch, so the braking distance causes no error.
 use super::Machine;
 use crate::motion;
 use glidepath::channel::MoveError;

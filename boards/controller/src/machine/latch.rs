@@ -1,9 +1,10 @@
-//! Latches the positions of the axes at a change of an input.
+//! Debounces the limit switches and the probe, and stores the positions of the axes at a change of an input.
 //!
-//! The timer interrupt calls [`Latch::look`] once per tick. An interrupt of the input itself may call
-//! [`Latch::edge`] in between, with the position at this moment. The latch keeps the first sample that
-//! differs. The change counts after a number of equal samples, and has the position of the first one. A
-//! bounce that is shorter does not change this position.
+//! The timer interrupt calls [`Latch::look`] once per tick with a sample of the inputs. An interrupt of the
+//! input itself may call [`Latch::edge`] between two ticks, with the position at this moment. The latch
+//! stores the position of the first sample that differs. The change counts only after a given number of equal
+//! samples; its position is the stored one. A bounce that is shorter than these samples does not change the
+//! stored position.
 use crate::state::Signals;
 use glidepath::Position;
 

@@ -1,4 +1,5 @@
-//! The motion side of the protocol, made of Glidepath's planner, interpolator and operator.
+//! The motion side of the Grbl protocol: the machine that moves, made of Glidepath's planner, interpolator
+//! and operator.
 //!
 //! ```text
 //!  lines → scan → spool → planner → queue → interpolator (timer interrupt)
@@ -6,8 +7,8 @@
 //!            └ probing, homing ←───── latch ←────┘
 //! ```
 //!
-//! The decoder of the library reads the lines, in the dialect of Grbl. This module only checks whether a line
-//! is answered at standstill, and whether a line probes.
+//! Glidepath's decoder reads the lines, in the dialect of Grbl. This module only finds out whether a line is
+//! answered at standstill, and whether the line probes.
 mod homing;
 mod latch;
 mod offered;

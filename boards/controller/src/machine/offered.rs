@@ -1,4 +1,4 @@
-//! The line that the decoder is working on.
+//! Passes a line to the decoder, and follows the line until its answer is known.
 use super::{Machine, refusal::refusal};
 use crate::motion::Taken;
 use glidepath::channel::Error;

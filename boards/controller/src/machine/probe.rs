@@ -1,7 +1,7 @@
-//! G38.2…G38.5: a line on the path that ends at a change of the probe.
+//! Probing, G38.2 to G38.5: a line on the path that ends when the probe input changes.
 //!
-//! The line is a normal motion. The change of the input aborts the motion, and the axes brake on the path.
-//! The reported position is the latched position, not the position at standstill.
+//! The line is a normal motion. The change of the input aborts this motion, and the axes brake on the path.
+//! The reported position is that of the axes at the change of the input, not the position at standstill.
 use super::{Machine, Probing, Scan, offered::End};
 use crate::motion::Taken;
 use glidepath::quantity::Position;

@@ -1,4 +1,4 @@
-//! Grbl's error numbers for refusals of decoder and planner, with their words as a message.
+//! Translates refusals of decoder and planner to Grbl's error numbers. Their words become a message.
 use super::scan::NUMBER_BYTES;
 use crate::motion::{Message, Refusal};
 use core::fmt::Write;

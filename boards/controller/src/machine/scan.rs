@@ -1,4 +1,5 @@
-//! Reads the facts of a line that the controller needs before the decoder reads the line.
+//! Reads a line before the decoder reads it: finds what the controller has to know, for example whether the
+//! line probes or has axis words.
 use crate::number::decimal;
 use glidepath::machine::AxisName;
 use heapless::Vec;

@@ -1,4 +1,4 @@
-//! The machine as motion side of the protocol: the implementation of [`Motion`].
+//! Implements the trait [`Motion`] for the machine: the calls by which the controller moves the axes.
 use super::offered::{End, Offered};
 use super::refusal::refusal;
 use super::{Kept, Machine, ProbeCycle, Scan};

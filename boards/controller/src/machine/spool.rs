@@ -1,4 +1,5 @@
-//! Lines on their way to the decoder: a ring with the current line, in the task of the planner.
+//! Holds lines on their way to the decoder: a ring that contains the current line. Only the task of the
+//! planner uses this ring.
 use core::cell::Cell;
 use glidepath::nc::{Text, TextError};
 

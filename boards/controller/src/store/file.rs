@@ -1,4 +1,4 @@
-//! Flash memory in a file, for a controller on the PC.
+//! A file in the place of flash memory, for a controller on a PC.
 extern crate std;
 
 use embedded_storage::nor_flash::{

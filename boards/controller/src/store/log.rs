@@ -1,19 +1,21 @@
-//! Records in flash memory that survive a power cut at any word.
+//! Stores records in flash memory so that a power cut at any moment loses at most the record that is being
+//! written.
 //!
-//! The memory has two halves. The active half is the one whose first slot has a valid head with the higher
-//! generation.
+//! The memory has two halves, of which one is active. The first slot of the active half has a valid head with
+//! a generation, a number that grows with each change of the active half. If both halves have a valid head,
+//! the half with the higher generation is active.
 //!
 //! ```text
 //!  half:  [ head | record | record | record | blank | blank ]    slots of equal size
 //! ```
 //!
 //! A new record goes into the first slot after the last slot that is not blank. A record is valid if its
-//! checksum is right. The last valid record of a kind counts. A record that a power cut has interrupted is
-//! not valid, so the record before it still counts.
+//! checksum is right. The last valid record of a kind counts. If a power cut interrupts a write, the new
+//! record is not valid, so the record before it still counts.
 //!
 //! If no slot is left, the other half is erased and gets one record of each kind. Its head is written last,
-//! so the old half stays active until then. The checksum covers the generation, so remains of an interrupted
-//! erase are not valid.
+//! so the old half stays active until then. The checksum of a record covers the generation, so what an
+//! interrupted erase leaves is not valid.
 use embedded_storage::nor_flash::NorFlash;
 
 /// Bytes of the head of a record.

@@ -1,4 +1,4 @@
-//! Flash memory in RAM: for tests, and for a controller whose host stores the parameters.
+//! RAM in the place of flash memory: for tests, and for a controller whose host stores the parameters.
 use embedded_storage::nor_flash::{
     ErrorType, NorFlash, NorFlashError, NorFlashErrorKind, ReadNorFlash, check_erase, check_read, check_write,
 };

@@ -1,11 +1,11 @@
-//! Data that survive a power cut: settings, work offsets with stored positions, startup lines with the text
-//! of `$I`.
+//! Data that survive a power cut: settings, offsets with stored positions, and startup lines with the text of
+//! `$I`.
 //!
 //! ```text
 //!  controller ─sets→ Store: Parameters ─records→ Log ─words→ flash (embedded-storage)
 //! ```
 //!
-//! Related data are one record, so after a power cut the store has the old set or the new set, never a
+//! Each of these three sets is one record. So after a power cut a set is the old one or the new one, never a
 //! mixture.
 #[cfg(feature = "file")]
 mod file;

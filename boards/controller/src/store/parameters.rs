@@ -1,4 +1,4 @@
-//! The parameter store in a flash memory.
+//! The parameter store in flash memory: implements [`Store`].
 use super::Store;
 use super::log::{Log, Unfit};
 use super::record;

@@ -1,4 +1,4 @@
-//! Contents of the records: conversion of parameter sets to bytes and back.
+//! Contents of the records in flash: converts settings, offsets and texts to bytes and back.
 use crate::controller::{STORED_BYTES, Stored};
 use crate::settings::Settings;
 use crate::store::log::LONGEST;
