@@ -268,6 +268,8 @@ struct Orders {
     mode: Mode,
     /// The commands as read last.
     word: u32,
+    /// The commands at the last call that waited.
+    rested: u32,
     /// The effect of the commands on the speed.
     pace: Pace,
     /// Whether a profile could not be made: the motion stops, and the remaining blocks are dropped.
@@ -458,6 +460,7 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
             orders: Orders {
                 mode: Mode::RUN,
                 word: Control::NORMAL,
+                rested: Control::NORMAL,
                 pace,
                 failed: false,
                 lead: REACTION,
@@ -494,6 +497,17 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
     /// [`Unplannable`]: the check of a plan has found a defect of the planner, or a block takes too long at
     /// reduced speed. The motion stops as with an abort, and a later call returns [`Work::Aborted`].
     pub fn work(&mut self) -> Result<Work, Unplannable> {
+        let work = self.step()?;
+        // A call that has read new commands counts as work, so that a call that waits is short.
+        if matches!(work, Work::Waiting) && self.orders.rested != self.orders.word {
+            self.orders.rested = self.orders.word;
+            return Ok(Work::Working);
+        }
+        Ok(work)
+    }
+
+    /// [`Self::work`], which may also wait after it has read new commands.
+    fn step(&mut self) -> Result<Work, Unplannable> {
         #[cfg(feature = "examine")]
         if self.lookahead.ring.examines() {
             return Ok(self.examine());
