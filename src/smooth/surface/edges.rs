@@ -33,7 +33,7 @@ const SHARP: f32 = 1.2;
 /// A line longer than this many widths can make an edge. The width is that of a single smoothing curve at the
 /// turn. The first value is for smooth contours, the second for all other turns. Smoothing curves of shorter
 /// lines join to one smooth curve.
-const APART: f32 = 2.5;
+const APART: f32 = 1.5;
 const ONE_CURVE: f32 = 0.34;
 /// With STEP: number of widths above which a line can make an edge, for every turn. STEP has no ramps of
 /// acceleration, so a single curve costs little time. Only far shorter lines are quicker with smoothing
