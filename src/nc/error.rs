@@ -584,7 +584,7 @@ impl fmt::Display for NcWarning {
                 "a turn straight back, or of more than 102 degrees beside an arc: #HSC [SURFACE] does not round it, the motion stands still there"
             }
             NcWarningKind::SurfaceLost => {
-                "#HSC [SURFACE] found no curve inside its tolerance for a block before this one: the motion stands still in its corners"
+                "#HSC [SURFACE] found no curve inside its tolerance for a block before this one: its corners stay sharp"
             }
             NcWarningKind::OscillationLimited => {
                 "the dynamics of the axis limit the oscillation: it is slower than programmed"
