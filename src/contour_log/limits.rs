@@ -124,7 +124,8 @@ impl<const AXES: usize> PositionLimits<AXES> {
 
     /// Tells the PLC the state. Only the planner calls this function.
     pub(crate) fn tell(&self, state: LimitState) {
-        let word = |kind: u32, axis: usize, side| kind | u32::from(side == Side::High) << 4 | (axis as u32) << 8;
+        let word =
+            |kind: u32, axis: usize, side| kind | u32::from(side == Side::High) << 4 | (axis as u32) << 8;
         let word = match state {
             LimitState::Free => 0,
             LimitState::Braking(axis, side) => word(1, axis, side),
@@ -145,7 +146,8 @@ impl<const AXES: usize> PositionLimits<AXES> {
         let mut axes = [[None; 2]; AXES];
         for (to, limit) in axes.iter_mut().flatten().zip(self.axes.iter().flatten()) {
             let [lower, upper] = &limit.value;
-            let bits = u64::from(upper.load(Ordering::Relaxed)) << 32 | u64::from(lower.load(Ordering::Relaxed));
+            let bits =
+                u64::from(upper.load(Ordering::Relaxed)) << 32 | u64::from(lower.load(Ordering::Relaxed));
             *to = (limit.is_set.load(Ordering::Relaxed) != 0).then_some(bits as i64);
         }
         core::sync::atomic::fence(Ordering::Acquire);

@@ -33,8 +33,8 @@ pub use hli::{
     HliContourLookaheadBlock, HliContourLookaheadRequest, HliContourLookaheadResponse,
     HliContourLookaheadState,
 };
-pub use limits::{LimitState, PositionLimits, Side};
 pub(crate) use limits::LimitsNow;
+pub use limits::{LimitState, PositionLimits, Side};
 pub use question::{Moment, Question, QuestionUnit, Unknown};
 pub use reader::{ContourReader, Elements, Forgotten, LogState};
 pub(crate) use recorder::Passed;

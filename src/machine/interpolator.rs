@@ -118,7 +118,13 @@ impl InterpolatorFunctions {
             .iter()
             .enumerate()
             .find(|(bit, _)| self.0 & !Self::AVAILABLE & (1 << bit) != 0);
-        absent.map(|(_, name)| (*name, "leave it out: it is known, not available in this version"))
+        absent.map(|(_, name)| match *name {
+            "FCT_SYNC" => (
+                "FCT_SYNC",
+                "leave it out: it is known, not available in this version; no axis joins the path by X[SYNC IN …]",
+            ),
+            name => (name, "leave it out: it is known, not available in this version"),
+        })
     }
 }
 

@@ -20,7 +20,9 @@ impl<const AXES: usize> Shape<AXES> {
     /// none of these moves, all axes. Returns zeros for a curve that is not a polynomial.
     pub(crate) fn squared_speed(&self, measure: &Measure) -> [f32; SQUARED] {
         let mut sum = [0.0; SQUARED];
-        for wanted in [Measure::feeds, |measure: &Measure, axis| measure.main.contains(axis), |_: &Measure, _| true] {
+        for wanted in
+            [Measure::feeds, |measure: &Measure, axis| measure.main.contains(axis), |_: &Measure, _| true]
+        {
             for axis in (0..AXES).filter(|axis| wanted(measure, *axis)) {
                 add_square(&mut sum, &self.speed(axis));
             }
@@ -35,7 +37,8 @@ impl<const AXES: usize> Shape<AXES> {
     fn speed(&self, axis: usize) -> [f64; SPEED] {
         let mut made = [0.0; SPEED];
         let Curve::Poly { power, down } = &self.curve else { return made };
-        let (Some(gain), Some(power), Some(down)) = (self.gain.get(axis), power.get(axis), down.get(axis)) else {
+        let (Some(gain), Some(power), Some(down)) = (self.gain.get(axis), power.get(axis), down.get(axis))
+        else {
             return made;
         };
         let end = self.end_w() as f64 * LSB_62;

@@ -282,7 +282,11 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     }
 
     /// The instant and the path distance of the stop, if a hold came `ahead` ticks after the instant `now`.
-    pub(super) fn try_hold(&mut self, (now, ahead): (u32, u32), inquiry: &mut Inquiry) -> Result<(u32, i64), Unknown> {
+    pub(super) fn try_hold(
+        &mut self,
+        (now, ahead): (u32, u32),
+        inquiry: &mut Inquiry,
+    ) -> Result<(u32, i64), Unknown> {
         let Inquiry { spans, trial } = inquiry;
         let is_same = |trial: &Trial| {
             (trial.handed, trial.stage, trial.ahead) == (self.handed, self.task.stage, ahead)

@@ -75,7 +75,11 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         if watch.answered && (now == watch.asked || (!is_free && watch.calls < EVERY)) {
             return false;
         }
-        if self.is_idle() || self.reserve.is_made() || self.reserve.pending.is_some() || self.queue.clock.has_left() {
+        if self.is_idle()
+            || self.reserve.is_made()
+            || self.reserve.pending.is_some()
+            || self.queue.clock.has_left()
+        {
             return false;
         }
         let Some(limits) = watch.limits.now() else { return false };
@@ -159,8 +163,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         }
         let end = self.motion_end();
         let changes = watch.limits.changes();
-        let (LimitState::Braking(axis, side) | LimitState::Standing(axis, side) | LimitState::Exceeded(axis, side)) =
-            watch.limits.state()
+        let (LimitState::Braking(axis, side)
+        | LimitState::Standing(axis, side)
+        | LimitState::Exceeded(axis, side)) = watch.limits.state()
         else {
             return;
         };

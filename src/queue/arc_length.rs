@@ -25,8 +25,7 @@ const PANELS: u8 = 8;
 const WIDTH: f32 = 0.25 / PANELS as f32;
 
 /// Points and weights of Gauss's rule for a panel of width 1.
-const RULE: [(f32, f32); 3] =
-    [(0.112_701_67, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_35, 5.0 / 18.0)];
+const RULE: [(f32, f32); 3] = [(0.112_701_67, 5.0 / 18.0), (0.5, 8.0 / 18.0), (0.887_298_35, 5.0 / 18.0)];
 
 /// The driven distance of one curve over its path distance, LSB 2^-44 mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -478,49 +478,6 @@ fn reach_depends_on_buffer_and_supply() {
     assert!(early < late && late < many, "{early} {late} {many}");
 }
 
-/// C40-016, C40-022, C40-074: inside of smoothed corners and splines the distance follows the path that the axes drive, to
-/// 6 % of the length of the curve; at both ends it is exact.
-#[test]
-fn the_distance_inside_of_polynomials_follows_the_axes() {
-    let mut all = Vec::new();
-    for smoothing in [
-        "#CONTOUR MODE [DEV PATH_DEV=1]\nG261",
-        "#CONTOUR MODE [DIST PRE_DIST=2 POST_DIST=2]\nG261",
-        "#CONTOUR MODE [DIST_SOFT PATH_DIST=2]\nG261",
-        "#HSC ON [BSPLINE PATH_DEV=0.5]",
-        "#SPLINE ON",
-    ] {
-        let text = format!(
-            "G01 F600\n{smoothing}\nN10 X10\nN20 Y10\nN30 X0 Y14\nN40 X-5\nN50 Y20\nG260\n#HSC OFF\n#SPLINE OFF\n"
-        );
-        let mut machine = machines::even(1000);
-        machine.channel.slope_profile = 1;
-        let (mut driven, mut worst, mut ends, mut curved) = (0.0, 0.0f64, 0.0f64, 0);
-        let mut last = [0.0; 3];
-        let refused = run::<256, 64>(&text, (&machine, [Position::ZERO; 3]), |now| {
-            let status = now.operator.status();
-            let at = status.set_points.map(|point| point.to_num::<f64>());
-            driven += at.iter().zip(&last).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
-            last = at;
-            let got = now.contour.distance(status.distance).expect("kept");
-            let off = (got.to_mm() - driven).abs();
-            let here = now.contour.elements(got, EVERYTHING).next().and_then(Result::ok);
-            match here {
-                Some(entry) if entry.block_type == BlockType::Polynomial => {
-                    curved += 1;
-                    worst = worst.max(off / entry.length.to_mm());
-                }
-                // Tick chords leave out a little of each curve.
-                _ => ends = ends.max(off),
-            }
-        });
-        assert_eq!(refused, None, "{smoothing}");
-        assert!(curved > 10 && ends < 2e-4, "{smoothing}: {curved} {ends}");
-        all.push((smoothing, worst));
-    }
-    assert!(all.iter().all(|(_, worst)| *worst < 0.06), "{all:?}");
-}
-
 /// C40-014, C40-045: the next program begins at 0 with an empty log; an abort takes back what will not be driven.
 #[test]
 fn program_start_and_abort() {

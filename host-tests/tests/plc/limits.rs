@@ -27,7 +27,11 @@ struct Now {
 }
 
 /// Runs a program; `each` before every tick. The ticks, or `None` if it does not end.
-fn run(machine: &MachineData<3>, text: &str, mut each: impl FnMut(&Now, &PositionLimits<3>)) -> Option<usize> {
+fn run(
+    machine: &MachineData<3>,
+    text: &str,
+    mut each: impl FnMut(&Now, &PositionLimits<3>),
+) -> Option<usize> {
     let limits = PositionLimits::new();
     let mut inquiry = Box::new(Inquiry::new());
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
@@ -96,7 +100,9 @@ fn the_axes_stand_at_the_limit_to_a_cycle() {
             });
             let (tick, at) = stood.unwrap_or_else(|| panic!("slope {slope} {side:?}: {ended:?} {told:?}"));
             let left = (place - at) * end.signum();
-            println!("slope {slope} {side:?}: {left} mm before the limit, a cycle is {fastest} mm, tick {tick}");
+            println!(
+                "slope {slope} {side:?}: {left} mm before the limit, a cycle is {fastest} mm, tick {tick}"
+            );
             assert!((0.0..=1.01 * fastest).contains(&left), "slope {slope} {side:?}: {left} mm, {fastest}");
             assert!(ended.is_some_and(|ended| ended > tick + 100), "slope {slope}: {ended:?}");
         }
@@ -153,7 +159,10 @@ fn limits_hold_in_random_programs() {
             }
             if is_set && !told {
                 if now.at[1] > place && worst <= 0.0 && std::env::var("SHOW").is_ok() {
-                    println!("SHOW seed {seed} slope {slope} when {when} tick {} {} {place} {:?} speed {}\n{text}", now.tick, now.at[1], now.state, now.speed);
+                    println!(
+                        "SHOW seed {seed} slope {slope} when {when} tick {} {} {place} {:?} speed {}\n{text}",
+                        now.tick, now.at[1], now.state, now.speed
+                    );
                 }
                 worst = worst.max(now.at[1] - place);
             }
@@ -177,7 +186,8 @@ fn limits_need_the_function() {
     machine.channel.interpolator.functions = InterpolatorFunctions::IPO_DEFAULT;
     let limits = PositionLimits::new();
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
-    let handles = channel.split(&machine, [Position::ZERO; 3], b"G01 X1 F600\n".as_slice()).expect("machine data");
+    let handles =
+        channel.split(&machine, [Position::ZERO; 3], b"G01 X1 F600\n".as_slice()).expect("machine data");
     let Handles { mut planner, .. } = handles;
     assert_eq!(planner.limit_positions(&limits), Err(Unknown::NotEnabled("FCT_DYN_POS_LIMIT")));
 }
