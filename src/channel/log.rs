@@ -24,15 +24,19 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         self.planning.set_inquiry(inquiry);
     }
 
-    /// Lets a PLC limit the positions of axes during the motion: [`PositionLimits`]. Call `limit_positions` once, after
-    /// [`Self::foresee`] and before the first [`Self::poll`]. While a limit is in force, each tick costs the planner as
+    /// Lets a PLC limit the positions of axes of the path during the motion: [`PositionLimits`]. Call `limit_positions` once,
+    /// before the first [`Self::poll`]. `inquiry` also serves [`Question::Standstill`], as with [`Self::foresee`]. While a limit is in force, each tick costs the planner as
     /// much as a question for the stop of a feed hold. An application then calls [`Self::poll`] in every tick, also after
     /// [`super::Progress::Done`], up to the end of the motion.
     ///
     /// # Errors
     /// FCT_DYN_POS_LIMIT is not in P-CHAN-00650.
-    pub fn limit_positions(&mut self, limits: &'a PositionLimits<AXES>) -> Result<(), Unknown> {
-        self.planning.set_limits(limits)
+    pub fn limit_positions(
+        &mut self,
+        limits: &'a PositionLimits<AXES>,
+        inquiry: &'a mut Inquiry,
+    ) -> Result<(), Unknown> {
+        self.planning.set_limits(limits, inquiry)
     }
 
     /// Answers a question about the coming motion, from the motion that is planned now. Call `forecast`

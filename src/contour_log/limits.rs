@@ -6,7 +6,7 @@
 //!
 //! static LIMITS: PositionLimits<3> = PositionLimits::new();
 //!
-//! // planner.limit_positions(&LIMITS), once, before the first poll
+//! // planner.limit_positions(&LIMITS, inquiry), once, before the first poll
 //! LIMITS.set(0, Side::High, Some(Position::from_num(120))); // the PLC: X stays at or below 120 mm
 //! assert_eq!(LIMITS.state(), LimitState::Free);
 //! LIMITS.set(0, Side::High, None); // the motion goes on

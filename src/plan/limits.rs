@@ -6,7 +6,7 @@
 //! in these ticks. The stop is that of a feed hold, and keeps all limits of the axes.
 //!
 //! The hold ends when the PLC has changed a limit and the way ahead is free.
-use super::{Planning, clock};
+use super::{Inquiry, Planning, clock};
 use crate::contour_log::{LimitState, LimitsNow, PositionLimits, Side, Unknown};
 use crate::machine::InterpolatorFunctions as Functions;
 
@@ -37,16 +37,22 @@ pub(super) struct Watch<'q, const AXES: usize> {
 }
 
 impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
-    /// Lets a PLC limit the positions of axes. Needs the memory of [`Self::set_inquiry`].
+    /// Lets a PLC limit the positions of axes. `inquiry`: memory for the question where a hold would stop the axes.
     ///
     /// # Errors
     /// FCT_DYN_POS_LIMIT is not in P-CHAN-00650.
-    pub fn set_limits(&mut self, limits: &'q PositionLimits<AXES>) -> Result<(), Unknown> {
+    pub fn set_limits(
+        &mut self,
+        limits: &'q PositionLimits<AXES>,
+        inquiry: &'q mut Inquiry,
+    ) -> Result<(), Unknown> {
         if !self.intake.machine.channel.interpolator.has(Functions::DYN_POS_LIMIT) {
             return Err(Unknown::NotEnabled("FCT_DYN_POS_LIMIT"));
         }
         limits.tell(LimitState::Free);
-        self.intake.watch = Some(Watch { limits, known: 0, asked: 0, answered: false, lead: 1, calls: 0 });
+        self.set_inquiry(inquiry);
+        // No instant is odd, so the first question is due.
+        self.intake.watch = Some(Watch { limits, known: 0, asked: 1, answered: true, lead: 1, calls: EVERY });
         Ok(())
     }
 
@@ -93,10 +99,10 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         if stop == Err(Unknown::Searching) {
             return true;
         }
-        let took = now.wrapping_sub(watch.asked) / clock::TICK;
         (watch.answered, watch.calls) = (true, 0);
-        watch.lead = (took + 1).min(FURTHEST);
         let Ok(stands) = stop else { return false };
+        let took = now.wrapping_sub(watch.asked) / clock::TICK;
+        watch.lead = (took + 1).min(FURTHEST);
         let motion = self.motion_at(now);
         let here = motion.map_or_else(|| self.motion_end(), |motion| motion.distance);
         let mut way = stands.wrapping_sub(here).max(0);

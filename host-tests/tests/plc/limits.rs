@@ -37,8 +37,7 @@ fn run(
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
     let handles = channel.split(machine, [Position::ZERO; 3], text.as_bytes()).expect("machine data");
     let Handles { mut planner, mut interpolator, operator } = handles;
-    planner.foresee(&mut inquiry);
-    planner.limit_positions(&limits).expect("enabled");
+    planner.limit_positions(&limits, &mut inquiry).expect("enabled");
     let (mut last, mut before) = ([0.0; 3], [0.0; 3]);
     for tick in 0..LONGEST {
         let status = operator.status();
@@ -158,12 +157,6 @@ fn limits_hold_in_random_programs() {
                 _ => {}
             }
             if is_set && !told {
-                if now.at[1] > place && worst <= 0.0 && std::env::var("SHOW").is_ok() {
-                    println!(
-                        "SHOW seed {seed} slope {slope} when {when} tick {} {} {place} {:?} speed {}\n{text}",
-                        now.tick, now.at[1], now.state, now.speed
-                    );
-                }
                 worst = worst.max(now.at[1] - place);
             }
             if waits == 50 || (told && now.speed == 0.0) {
@@ -184,10 +177,10 @@ fn limits_hold_in_random_programs() {
 fn limits_need_the_function() {
     let mut machine = machine(1);
     machine.channel.interpolator.functions = InterpolatorFunctions::IPO_DEFAULT;
-    let limits = PositionLimits::new();
+    let (limits, mut inquiry) = (PositionLimits::new(), Inquiry::new());
     let mut channel: Box<Channel<3, 120>> = Box::new(Channel::new());
     let handles =
         channel.split(&machine, [Position::ZERO; 3], b"G01 X1 F600\n".as_slice()).expect("machine data");
     let Handles { mut planner, .. } = handles;
-    assert_eq!(planner.limit_positions(&limits), Err(Unknown::NotEnabled("FCT_DYN_POS_LIMIT")));
+    assert_eq!(planner.limit_positions(&limits, &mut inquiry), Err(Unknown::NotEnabled("FCT_DYN_POS_LIMIT")));
 }
