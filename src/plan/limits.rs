@@ -9,6 +9,7 @@
 use super::{Inquiry, Planning, clock};
 use crate::contour_log::{LimitState, LimitsNow, PositionLimits, Side, Unknown};
 use crate::machine::InterpolatorFunctions as Functions;
+use crate::queue::Cut;
 
 /// Points of the way to the stop that are compared with the limits.
 const POINTS: i64 = 20;
@@ -157,10 +158,15 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             watch.limits.tell(LimitState::Free);
             return;
         }
+        let now = self.queue.clock.now();
+        // Pieces before a change are not in the order of time.
+        if self.orders.mode.cut.is_some_and(|Cut(at)| clock::is_before(now.wrapping_sub(clock::TICK), at)) {
+            return;
+        }
         let Some(limits) = watch.limits.now() else { return };
         if !self.orders.mode.is_standing() {
             // The stop is not known yet, or the axes pass the limit before it.
-            let next = self.queue.clock.now().wrapping_add(clock::TICK);
+            let next = now.wrapping_add(clock::TICK);
             let here = self.motion_at(next).map(|motion| motion.distance);
             if let Some((axis, side)) = here.and_then(|here| self.first_beyond(&limits, here, 0)) {
                 watch.limits.tell(LimitState::Exceeded(axis, side));
@@ -184,7 +190,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             }
         }
         // The axes may pass a limit on the way to a stop inside of the limit.
-        let here = self.motion_at(self.queue.clock.now()).map_or(end, |motion| motion.distance);
+        let here = self.motion_at(now).map_or(end, |motion| motion.distance);
         let state = match self.first_beyond(&limits, here, end.wrapping_sub(here).max(0)) {
             _ if matches!(watch.limits.state(), LimitState::Exceeded(..)) => return,
             Some((axis, side)) => LimitState::Exceeded(axis, side),
