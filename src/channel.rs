@@ -215,9 +215,28 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if OVERLAYS > 0 { self.poll_both() } else { self.poll_path() }
     }
 
-    /// Does one piece of work for the path.
+    /// Does one piece of work for the path, or for the limits that a PLC moves.
+    #[cfg(feature = "plc")]
     #[cfg_attr(feature = "fast", inline(always))]
     fn poll_path(&mut self) -> Result<Progress, Error> {
+        if self.planning.watch_limits(false) {
+            return Ok(Progress::Working);
+        }
+        let progress = self.poll_motion();
+        let is_free = matches!(progress, Ok(Progress::Waiting | Progress::Done));
+        if is_free && self.planning.watch_limits(true) { Ok(Progress::Working) } else { progress }
+    }
+
+    /// Does one piece of work for the path.
+    #[cfg(not(feature = "plc"))]
+    #[inline(always)]
+    fn poll_path(&mut self) -> Result<Progress, Error> {
+        self.poll_motion()
+    }
+
+    /// Does one piece of work for the path.
+    #[cfg_attr(feature = "fast", inline(always))]
+    fn poll_motion(&mut self) -> Result<Progress, Error> {
         // At rest, there is no motion to hold or to abort.
         if self.source == Source::Ended && self.planning.is_idle() {
             if self.filters.is_pending() {

@@ -48,6 +48,9 @@ pub struct Control {
     aborted: AtomicU32,
     /// All commands as the planner read them last.
     seen: AtomicU32,
+    /// Whether a limit of the PLC holds the axes. The planner writes this word.
+    #[cfg(feature = "plc")]
+    limited: AtomicU32,
     acknowledgements: Acknowledgements,
 }
 
@@ -82,7 +85,18 @@ impl Control {
     pub(crate) const fn blank() -> Self {
         let [given, answers, changes, looked, heard, aborted, seen] = [const { AtomicU32::new(0) }; 7];
         let acknowledgements = Acknowledgements::new();
-        Self { given, answers, changes, looked, heard, aborted, seen, acknowledgements }
+        Self {
+            given,
+            answers,
+            changes,
+            looked,
+            heard,
+            aborted,
+            seen,
+            #[cfg(feature = "plc")]
+            limited: AtomicU32::new(0),
+            acknowledgements,
+        }
     }
 
     /// The open acknowledgements. Planner and operator both use this table.
@@ -95,6 +109,8 @@ impl Control {
         let flag = |on, flag| if on { flag } else { 0 };
         let aborts = given & ABORTS != self.aborted.load(Ordering::Relaxed);
         let answered = self.answers.load(Ordering::Acquire) != self.heard.load(Ordering::Relaxed);
+        #[cfg(feature = "plc")]
+        let given = given | flag(self.is_limited(), HOLD);
         given & (FEED | HOLD | REDUCED) | flag(aborts, ABORT) | flag(answered, ANSWERED)
     }
 }
@@ -163,6 +179,19 @@ impl Control {
         // A command that comes after this line counts as another change.
         self.looked.store(self.changes.load(Ordering::Acquire), Ordering::Relaxed);
         self.seen.store(self.gather(), Ordering::Relaxed);
+    }
+
+    /// Whether a limit of the PLC holds the axes.
+    #[cfg(feature = "plc")]
+    pub(crate) fn is_limited(&self) -> bool {
+        self.limited.load(Ordering::Relaxed) != 0
+    }
+
+    /// Holds the axes because of a limit of the PLC, or ends this hold.
+    #[cfg(feature = "plc")]
+    pub(crate) fn limit(&self, is_limited: bool) {
+        self.limited.store(is_limited.into(), Ordering::Relaxed);
+        self.look();
     }
 
     /// Whether an acknowledgement is unread.

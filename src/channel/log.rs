@@ -1,7 +1,7 @@
 //! The planner's functions for a PLC (feature `plc`): the log of the path ahead, and questions about the
 //! coming motion.
 use super::{Error, Planner};
-use crate::contour_log::{Moment, Question, QuestionUnit, Recorder, Unknown};
+use crate::contour_log::{Moment, PositionLimits, Question, QuestionUnit, Recorder, Unknown};
 use crate::fir::FilterPlan;
 use crate::nc::{Command, ContourLog, Text};
 pub use crate::plan::Inquiry;
@@ -12,9 +12,8 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// Starts the log of the path ahead for a PLC:
     /// [`ContourMemory::split`](crate::contour_log::ContourMemory::split). Distances count from this call.
     /// Without FCT_CONTOUR_LAH (P-CHAN-00650) in the machine data, the planner writes no log. Call
-    /// `log_contour` once, before the first [`Self::poll`]. Each element then costs the planner a copy of 48
-    /// bytes and the angle to the element before. For a polynomial, the planner also computes the length. The
-    /// interrupt does no work for the log.
+    /// `log_contour` once, before the first [`Self::poll`]. Each element then costs the planner a copy of 44
+    /// bytes and the angle to the element before. The interrupt does no work for the log.
     pub fn log_contour(&mut self, recorder: Recorder<'a>) {
         self.planning.set_recorder(recorder);
     }
@@ -23,6 +22,21 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
     /// [`Question::Standstill`]. Call `foresee` once, before the first [`Self::poll`].
     pub fn foresee(&mut self, inquiry: &'a mut Inquiry) {
         self.planning.set_inquiry(inquiry);
+    }
+
+    /// Lets a PLC limit the positions of axes of the path during the motion: [`PositionLimits`]. Call `limit_positions` once,
+    /// before the first [`Self::poll`]. `inquiry` also serves [`Question::Standstill`], as with [`Self::foresee`]. While a limit is in force, each tick costs the planner as
+    /// much as a question for the stop of a feed hold. An application then calls [`Self::poll`] in every tick, also after
+    /// [`super::Progress::Done`], up to the end of the motion.
+    ///
+    /// # Errors
+    /// FCT_DYN_POS_LIMIT is not in P-CHAN-00650.
+    pub fn limit_positions(
+        &mut self,
+        limits: &'a PositionLimits<AXES>,
+        inquiry: &'a mut Inquiry,
+    ) -> Result<(), Unknown> {
+        self.planning.set_limits(limits, inquiry)
     }
 
     /// Answers a question about the coming motion, from the motion that is planned now. Call `forecast`

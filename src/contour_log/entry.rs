@@ -1,4 +1,4 @@
-//! One entry of the log of the path: an element of the path, or a mark. An entry takes twelve words (48
+//! One entry of the log of the path: an element of the path, or a mark. An entry takes eleven words (44
 //! bytes) of memory.
 
 /// Distance from program start, LSB 2^-24 mm (60 pm), range ±549,755 km. The value does not wrap.
@@ -8,8 +8,7 @@ pub struct ProgramDistance(i64);
 /// LSB per millimetre.
 const PER_MM: f64 = (1i64 << 24) as f64;
 
-/// Additional bits of a path distance, compared with a program distance. An arc stores these bits in a
-/// separate word, because its word for the path distance holds the radius.
+/// Additional bits of a driven distance, compared with a program distance.
 pub(super) const BELOW: u32 = 20;
 
 /// LSB of an angle per radian.
@@ -105,9 +104,6 @@ pub struct Entry {
     pub angle: f64,
     /// Change of direction from the end of the element before to the start of this element, rad, 0..π.
     pub knee: f64,
-    /// Planned path distance of the entry, LSB 2^-44 mm. On a polynomial, this distance differs slightly from
-    /// the length. On a curve over time, this distance is time multiplied by the feed.
-    pub(super) planned: i64,
 }
 
 /// The two words of a number of 64 bits.
@@ -132,7 +128,7 @@ fn angle_of(bits: u32) -> f64 {
 
 impl Entry {
     /// Words of an entry.
-    pub(super) const WORDS: usize = 12;
+    pub(super) const WORDS: usize = 11;
 
     /// A mark of the log.
     pub(super) fn mark(block_type: BlockType, n: u32, parameter: Option<f64>) -> Self {
@@ -140,13 +136,10 @@ impl Entry {
     }
 
     pub(super) fn to_words(self) -> [u32; Self::WORDS] {
-        let third = match self.block_type {
-            BlockType::Arc => ProgramDistance::from_mm(self.radius_mm).0,
-            _ => self.planned,
-        };
         let length =
             if self.block_type.is_element() { self.length.0 } else { self.parameter.to_bits() as i64 };
-        let [start, length, third] = [self.start.0, length, third].map(halves);
+        let radius = ProgramDistance::from_mm(self.radius_mm).0;
+        let [start, length, radius] = [self.start.0, length, radius].map(halves);
         [
             self.block_type as u32,
             self.n,
@@ -155,26 +148,19 @@ impl Entry {
             start[1],
             length[0],
             length[1],
-            third[0],
-            third[1],
+            radius[0],
+            radius[1],
             angle_bits(self.angle),
             angle_bits(self.knee),
-            self.planned.wrapping_sub(self.length.0 << BELOW) as u32,
         ]
     }
 
     pub(super) fn of_words(words: [u32; Self::WORDS]) -> Self {
-        let [kind, n, id, s0, s1, l0, l1, t0, t1, angle, knee, rest] = words;
+        let [kind, n, id, s0, s1, l0, l1, r0, r1, angle, knee] = words;
         let block_type = BlockType::of(kind);
-        let (second, third) = (whole(l0, l1), whole(t0, t1));
+        let second = whole(l0, l1);
         let (length, parameter) =
             if block_type.is_element() { (second, 0.0) } else { (0, f64::from_bits(second as u64)) };
-        let (radius_mm, planned) = match block_type {
-            BlockType::Arc => {
-                (ProgramDistance(third).to_mm(), (length << BELOW).wrapping_add(i64::from(rest as i32)))
-            }
-            _ => (0.0, third),
-        };
         Self {
             block_type,
             n,
@@ -182,10 +168,9 @@ impl Entry {
             start: ProgramDistance(whole(s0, s1)),
             length: ProgramDistance(length),
             parameter,
-            radius_mm,
+            radius_mm: ProgramDistance(whole(r0, r1)).to_mm(),
             angle: angle_of(angle),
             knee: angle_of(knee),
-            planned,
         }
     }
 

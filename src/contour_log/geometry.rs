@@ -1,11 +1,10 @@
-//! Computes what an entry of the log shows of a curve: length, radius, angle, and the change of direction
-//! from the curve before (`knee`). The planner does this, in integers and with the IEEE operations + − × ÷.
+//! Computes what an entry of the log shows of a curve: radius, angle, and the change of direction from the
+//! curve before (`knee`). The planner does this, in integers and with the IEEE operations + − × ÷.
 use super::entry::{BlockType, Entry};
 use crate::math::angle::atan2_turns;
 use crate::math::root::sqrt_wide;
 use crate::math::wide::square_wide;
-use crate::path::{End, Measure, Shape};
-use crate::quantity::Position;
+use crate::path::{End, Shape};
 
 const TAU: f64 = core::f64::consts::TAU;
 
@@ -38,47 +37,14 @@ pub fn knee<const AXES: usize>(a: &[i64; AXES], b: &[i64; AXES]) -> f64 {
     atan2_turns(apart, along) as f64 * (2.0 * TAU / 18_446_744_073_709_551_616.0)
 }
 
-/// Number of chords for the length of a curve. With half this number, the error is four times as large.
-const CHORDS: i64 = 64;
-
-/// The length of a polynomial along the axes of the path measure, LSB 2^-44 mm.
-fn driven<const AXES: usize>(shape: &Shape<AXES>, base: &[Position; AXES], measure: &Measure) -> i64 {
-    let (mut fine, mut coarse) = (0i64, 0i64);
-    let length = shape.length.to_bits();
-    let mut last = shape.placed(0, base);
-    let mut even = last;
-    for i in 1..=CHORDS {
-        let at = (length / CHORDS).wrapping_mul(i).wrapping_add(length % CHORDS * i / CHORDS);
-        let point = shape.placed(at, base);
-        fine = fine.wrapping_add(chord(&last, &point, measure));
-        if i & 1 == 0 {
-            coarse = coarse.wrapping_add(chord(&even, &point, measure));
-            even = point;
-        }
-        last = point;
-    }
-    fine.wrapping_add(fine.wrapping_sub(coarse) / 3)
-}
-
-fn chord<const AXES: usize>(from: &[Position; AXES], to: &[Position; AXES], measure: &Measure) -> i64 {
-    let mut travel = [0i64; AXES];
-    for ((travel, from), to) in travel.iter_mut().zip(from).zip(to) {
-        *travel = to.to_bits().wrapping_sub(from.to_bits());
-    }
-    measure.path(&travel).to_bits()
-}
-
-/// The entry of a curve (kind, radius, angle and knee), and the length of the curve, LSB 2^-44 mm. `exit`:
-/// direction at the end of the curve before.
+/// Kind, radius, angle and knee of a curve. `exit`: direction at the end of the curve before.
 pub fn describe<const AXES: usize>(
-    (shape, base): (&Shape<AXES>, &[Position; AXES]),
+    shape: &Shape<AXES>,
     entry: &End<AXES>,
     exit: Option<&[i64; AXES]>,
-    measure: &Measure,
-) -> (Entry, i64) {
+) -> Entry {
     let knee = exit.map_or(0.0, |exit| knee(exit, &entry.tangent));
     let mut made = Entry { block_type: BlockType::Polynomial, knee, ..Entry::default() };
-    let planned = shape.length.to_bits();
     if shape.is_line() {
         made.block_type = BlockType::Line;
     } else if let Some((radius, turn)) = shape.turn() {
@@ -86,8 +52,5 @@ pub fn describe<const AXES: usize>(
         made.radius_mm = radius as f64 / (1u64 << 44) as f64;
         made.angle = turn as f64 * (TAU / (1u64 << 59) as f64);
     }
-    made.planned = planned;
-    let is_measured = made.block_type == BlockType::Polynomial;
-    let length = if is_measured { driven(shape, base, measure) } else { planned };
-    (made, length)
+    made
 }

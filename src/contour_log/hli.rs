@@ -109,11 +109,11 @@ impl<const BLOCKS: usize> ControlUnit<BLOCKS> {
     }
 
     /// ISG's `bahn_state.dist_prog_start`, 0.1 µm: the distance that the axes have reached in the program.
-    /// `planned`: the field `planned` of [`crate::Status`]. Uses [`ContourReader::distance`].
+    /// `driven`: the field `distance` of [`crate::Status`]. See [`ContourReader::distance`].
     ///
     /// # Errors
-    /// The element at this distance is no longer in the window.
-    pub fn dist_prog_start(contour: &ContourReader<'_>, planned: Distance) -> Result<f64, Forgotten> {
-        contour.distance(planned).map(|at| at.to_mm() * TENTHS)
+    /// The element there is no longer in the window.
+    pub fn dist_prog_start(contour: &ContourReader<'_>, driven: Distance) -> Result<f64, Forgotten> {
+        contour.distance(driven).map(|at| at.to_mm() * TENTHS)
     }
 }

@@ -5,12 +5,13 @@
 //!
 //! | file | content |
 //! |---|---|
-//! | `entry` | an element or a mark of the log, in 48 bytes |
+//! | `entry` | an element or a mark of the log, in 44 bytes |
 //! | `table` | tables of entries, each with one writer and any number of readers |
-//! | `geometry` | length, radius and angle of a curve, and its change of direction from the curve before |
+//! | `geometry` | radius and angle of a curve, and its change of direction from the curve before |
 //! | `recorder` | the planner's handle: which entry goes into which table |
 //! | `reader` | the PLC's handle: [`ContourReader::elements`], [`ContourReader::logged`], [`ContourReader::reach`] |
 //! | `question` | questions about the coming motion, and their answers |
+//! | `limits` | limits of axis positions that the PLC moves |
 //! | `hli` | the structures of ISG's interface to a PLC, under ISG's names |
 //! | `unit` | request and response, as in ISG's control unit `contour_lookahead` |
 //!
@@ -20,6 +21,7 @@
 mod entry;
 mod geometry;
 mod hli;
+mod limits;
 mod question;
 mod reader;
 mod recorder;
@@ -31,6 +33,8 @@ pub use hli::{
     HliContourLookaheadBlock, HliContourLookaheadRequest, HliContourLookaheadResponse,
     HliContourLookaheadState,
 };
+pub(crate) use limits::LimitsNow;
+pub use limits::{LimitState, PositionLimits, Side};
 pub use question::{Moment, Question, QuestionUnit, Unknown};
 pub use reader::{ContourReader, Elements, Forgotten, LogState};
 pub(crate) use recorder::Passed;
@@ -41,8 +45,7 @@ pub use unit::{ControlUnit, Pending, UnitState};
 
 use table::{Head, Slot, Table};
 
-/// Memory of the log: `WINDOW` elements found by distance, and `LOG` entries found by index. Each takes 48
-/// bytes.
+/// Memory of the log: `WINDOW` elements by distance, and `LOG` entries by index. Each entry takes 44 bytes.
 ///
 /// Both numbers are 0 or a power of two. All bits are zero when new, so a static memory lies in `.bss`.
 pub struct ContourMemory<const WINDOW: usize, const LOG: usize> {

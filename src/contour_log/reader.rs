@@ -1,5 +1,5 @@
 //! The PLC's handle of the log: reads the elements of the path ahead, by distance or by index.
-use super::entry::{BlockType, Entry, ProgramDistance};
+use super::entry::{BELOW, BlockType, Entry, ProgramDistance};
 use super::recorder::{ACTIVE, CLOSED};
 use super::table::{Row, Table};
 use crate::quantity::Distance;
@@ -88,20 +88,21 @@ impl<'a> ContourReader<'a> {
         }
     }
 
-    /// Converts the path distance `planned` of [`crate::Status`] to ISG's dist_prog_start. This is the
-    /// distance from program start, or from the last passed `#DISTANCE PROG START CLEAR`. On a polynomial,
-    /// the result is exact at both ends and grows with the path distance. The call reads the elements from
-    /// the end of the known path back to this distance.
+    /// Converts the driven distance `distance` of [`crate::Status`] to ISG's dist_prog_start. This is the
+    /// distance from program start, or from the last passed `#DISTANCE PROG START CLEAR`. The call reads all
+    /// elements from that place to the end of the known path.
     ///
     /// # Errors
     /// The element at this distance is no longer in the window.
-    pub fn distance(&self, path: Distance) -> Result<ProgramDistance, Forgotten> {
+    pub fn distance(&self, driven: Distance) -> Result<ProgramDistance, Forgotten> {
         let row = self.window.row();
-        let (mut at, mut ahead) = (row.end, row.path.wrapping_sub(path.to_bits()));
-        if ahead <= 0 {
+        let left = row.driven.wrapping_sub(driven.to_bits());
+        if left <= 0 {
             return Ok(ProgramDistance::from_bits(row.reach));
         }
-        let mut first = ProgramDistance::from_bits(row.reach);
+        // Rounded up, so that the end of each element is exact.
+        let mut left = left.saturating_add((1 << BELOW) - 1) >> BELOW;
+        let (mut at, mut first) = (row.end, ProgramDistance::from_bits(row.reach));
         while at != row.first {
             at = at.wrapping_sub(1);
             let Some(entry) = self.window.get(at) else { break };
@@ -109,14 +110,11 @@ impl<'a> ContourReader<'a> {
             if !entry.block_type.is_element() {
                 continue;
             }
-            let planned = entry.planned;
-            if ahead <= planned {
-                // The rest of the element, as a part of its planned length.
-                let part = if planned == 0 { 0.0 } else { ahead as f64 / planned as f64 };
-                let left = (entry.length.to_bits() as f64 * part) as i64;
+            let length = entry.length.to_bits();
+            if left <= length {
                 return Ok(ProgramDistance::from_bits(entry.end().to_bits().wrapping_sub(left)));
             }
-            ahead = ahead.wrapping_sub(planned);
+            left = left.wrapping_sub(length);
         }
         Err(Forgotten { first })
     }

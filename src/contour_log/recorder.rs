@@ -3,21 +3,19 @@ use super::entry::{BELOW, BlockType, Entry, ProgramDistance};
 use super::geometry::describe;
 use super::table::{Row, Table};
 use crate::nc::ContourLog;
-use crate::path::{End, Measure, Shape};
-use crate::quantity::Position;
+use crate::path::{End, Shape};
 
 /// A curve that enters the look-ahead.
 pub(crate) struct Passed<'a, const AXES: usize> {
     pub shape: &'a Shape<AXES>,
-    pub base: &'a [Position; AXES],
     pub entry: &'a End<AXES>,
     pub exit: &'a End<AXES>,
     /// Programmed N number.
     pub n: u32,
     /// Number of motion blocks before the curve.
     pub number: u32,
-    /// Path distance of the curve's end, LSB 2^-44 mm.
-    pub path: i64,
+    /// Driven distance at the start and at the end of the curve, LSB 2^-44 mm.
+    pub driven: [i64; 2],
 }
 
 /// The error of a program with more than 8 commands of the log before one motion block.
@@ -52,8 +50,8 @@ pub enum Turn {
 struct Repeat {
     /// Number of begun passes, at most 3.
     passes: u32,
-    /// Program distance at the start of the loop, in the form of `Recorder::end`.
-    start: (i64, i64),
+    /// Program distance at the start of the loop, LSB 2^-24 mm.
+    start: i64,
     /// From the third pass on, if the loop is logged: end of the log before the pass, and number of entries
     /// without room.
     kept: Option<(u32, u32)>,
@@ -83,15 +81,13 @@ pub struct Recorder<'a> {
     rows: [Row; 2],
     /// Program distance at the end of the known path, and the remainder below its LSB, in units of 2^-44 mm.
     end: (i64, i64),
-    /// Path distance at the end of the known path; `None` before the first program.
-    path: Option<i64>,
+    /// Driven distance of the end, LSB 2^-44 mm. `None`: no planner owns the recorder yet.
+    driven: Option<i64>,
     /// Direction at the end of the last element.
     exit: Option<[i64; DIRECTIONS]>,
     marks: heapless::Deque<Waiting, MARKS>,
     /// Largest number of entries kept in each table: P-CHAN-00658.
     most: usize,
-    /// Measure of the path. `None`: no planner owns the recorder yet.
-    measure: Option<Measure>,
     repeat: Repeat,
 }
 
@@ -103,11 +99,10 @@ impl<'a> Recorder<'a> {
             log,
             rows,
             end: (0, 0),
-            path: None,
+            driven: None,
             exit: None,
             marks: heapless::Deque::new(),
             most: usize::MAX,
-            measure: None,
             repeat: Repeat::default(),
         }
     }
@@ -117,32 +112,27 @@ impl<'a> Recorder<'a> {
         self.most = usize::try_from(most).unwrap_or(usize::MAX);
     }
 
-    /// Sets the measure of the path.
-    pub(crate) const fn set_measure(&mut self, measure: Measure) {
-        self.measure = Some(measure);
-    }
-
-    /// Starts a program at the path distance `path`: the program distance is 0, and the log is empty.
-    pub(crate) fn start(&mut self, path: i64) {
+    /// Starts a program at the driven distance `driven`: the program distance is 0, and the log is empty.
+    pub(crate) fn start(&mut self, driven: i64) {
         self.marks.clear();
         self.repeat = Repeat::default();
-        self.path = Some(path);
+        self.driven = Some(driven);
         self.forget();
         self.end = (0, 0);
         self.clear_log();
         self.show();
     }
 
-    /// Drops elements beyond `path`, because the axes will not reach them.
-    pub(crate) fn cut(&mut self, path: i64) {
-        let Some(known) = self.path.replace(path) else { return };
-        if known == path {
+    /// Drops elements beyond `driven`, because the axes will not reach them.
+    pub(crate) fn cut(&mut self, driven: i64) {
+        let Some(known) = self.driven.replace(driven) else { return };
+        if known == driven {
             return;
         }
         self.marks.clear();
         self.repeat = Repeat::default();
         self.forget();
-        self.extend(path.wrapping_sub(known));
+        self.extend(driven.wrapping_sub(known));
         self.show();
     }
 
@@ -169,9 +159,9 @@ impl<'a> Recorder<'a> {
     }
 
     fn show(&mut self) {
-        let Self { window, log, rows: [w, l], end, path, .. } = self;
+        let Self { window, log, rows: [w, l], end, driven, .. } = self;
         for row in [&mut *w, &mut *l] {
-            (row.reach, row.path) = (end.0, path.unwrap_or(0));
+            (row.reach, row.driven) = (end.0, driven.unwrap_or(0).wrapping_sub(end.1));
         }
         window.show(w);
         let mut shown = *l;
@@ -238,7 +228,7 @@ impl<'a> Recorder<'a> {
 
     fn set(&mut self, n: u32, id: u32, mark: Mark) {
         match mark {
-            Mark::Distance => self.count_from((0, 0), n, id),
+            Mark::Distance => self.count_from(0, n, id),
             Mark::Turn(turn, modulo) => self.go_round(turn, modulo, id),
             Mark::Log(ContourLog::On(parameter)) if self.rows[1].flags == 0 => {
                 self.rows[1].flags = ACTIVE;
@@ -257,8 +247,8 @@ impl<'a> Recorder<'a> {
         }
     }
 
-    /// Makes `start` the program distance at the end of the known path.
-    fn count_from(&mut self, start: (i64, i64), n: u32, id: u32) {
+    /// Lets the program distance continue from `start`. The remainder below its LSB stays.
+    fn count_from(&mut self, start: i64, n: u32, id: u32) {
         let entry = Entry { id, ..Entry::mark(BlockType::Clear, n, None) };
         let end = ProgramDistance::from_bits(self.end.0);
         self.window.push(
@@ -266,7 +256,7 @@ impl<'a> Recorder<'a> {
             &Entry { start: end, ..entry },
             self.window.room().min(self.most),
         );
-        self.end = start;
+        self.end.0 = start;
         self.rows[0].mark = self.rows[0].end;
     }
 
@@ -275,7 +265,7 @@ impl<'a> Recorder<'a> {
     /// The log shows the last pass when the loop ends.
     fn go_round(&mut self, turn: Turn, modulo: bool, id: u32) {
         if turn == Turn::Begin {
-            self.repeat = Repeat { start: self.end, ..Repeat::default() };
+            self.repeat = Repeat { start: self.end.0, ..Repeat::default() };
         } else if modulo {
             self.count_from(self.repeat.start, 0, id);
         }
@@ -314,18 +304,20 @@ impl<'a> Recorder<'a> {
 
     /// Records a curve that enters the look-ahead.
     pub(crate) fn pass<const AXES: usize>(&mut self, passed: &Passed<'_, AXES>) {
-        let Passed { shape, base, entry, exit, n, number, path } = *passed;
-        self.cut(path.wrapping_sub(shape.length.to_bits()));
+        let Passed { shape, entry, exit, n, number, driven: [from, to] } = *passed;
+        self.cut(from);
         self.settle(number);
         let before = self.exit.map(|exit| {
             let mut axes = [0; AXES];
             axes.iter_mut().zip(exit).for_each(|(to, from)| *to = from);
             axes
         });
-        let Some(measure) = &self.measure else { return };
-        let (made, length) = describe((shape, base), entry, before.as_ref(), measure);
+        if self.driven.replace(to).is_none() {
+            return;
+        }
+        let made = describe(shape, entry, before.as_ref());
         let start = self.end.0;
-        self.extend(length);
+        self.extend(to.wrapping_sub(from));
         let length = ProgramDistance::from_bits(self.end.0.wrapping_sub(start));
         let start = ProgramDistance::from_bits(start);
         let made = Entry { n, id: number, start, length, ..made };
@@ -333,7 +325,6 @@ impl<'a> Recorder<'a> {
         if self.rows[1].flags == ACTIVE {
             self.put(made);
         }
-        self.path = Some(path);
         let mut kept = [0; DIRECTIONS];
         kept.iter_mut().zip(exit.tangent).for_each(|(to, from)| *to = from);
         self.exit = Some(kept);

@@ -38,8 +38,8 @@ pub struct Row {
     pub end: u32,
     /// Distance from program start to the end of the table, LSB 2^-24 mm.
     pub reach: i64,
-    /// Path distance at the end of the table, LSB 2^-44 mm.
-    pub path: i64,
+    /// Driven distance at `reach`, LSB 2^-44 mm.
+    pub driven: i64,
     /// For the window: the number after the last `#DISTANCE PROG START CLEAR`. For the log: number of entries
     /// without room.
     pub mark: u32,
@@ -51,14 +51,14 @@ const ROW: usize = 8;
 
 impl Row {
     const fn to_words(self) -> [u32; ROW] {
-        let Self { first, end, reach, path, mark, flags } = self;
-        [first, end, reach as u32, (reach >> 32) as u32, path as u32, (path >> 32) as u32, mark, flags]
+        let Self { first, end, reach, driven, mark, flags } = self;
+        [first, end, reach as u32, (reach >> 32) as u32, driven as u32, (driven >> 32) as u32, mark, flags]
     }
 
-    const fn of_words([first, end, r0, r1, p0, p1, mark, flags]: [u32; ROW]) -> Self {
+    const fn of_words([first, end, r0, r1, d0, d1, mark, flags]: [u32; ROW]) -> Self {
         let reach = ((r1 as u64) << 32 | r0 as u64) as i64;
-        let path = ((p1 as u64) << 32 | p0 as u64) as i64;
-        Self { first, end, reach, path, mark, flags }
+        let driven = ((d1 as u64) << 32 | d0 as u64) as i64;
+        Self { first, end, reach, driven, mark, flags }
     }
 }
 

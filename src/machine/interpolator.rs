@@ -17,6 +17,7 @@ pub const FB_STORAGE_MIN: u32 = 1024;
 /// | FCT_CONTOUR_LAH | the log of the path ahead: [`crate::contour_log`] |
 /// | FCT_CALC_STATE_AT_T, FCT_CALC_TIME, FCT_CALC_POS_V_0 | questions of the PLC about the coming motion |
 /// | FCT_SHIFT_NCBL | M and H functions with MEP_SVS or MEP_MOS are output at a distance before their place |
+/// | FCT_DYN_POS_LIMIT | limits of axis positions that a PLC moves: [`crate::contour_log::PositionLimits`] |
 /// | others | known, not available |
 pub const INTERPOLATOR_FUNCTIONS: &[&str] = &[
     "FCT_IPO_DEFAULT",
@@ -66,10 +67,13 @@ impl InterpolatorFunctions {
     /// FCT_SHIFT_NCBL: M and H functions can be output at a distance before their place (MEP_SVS, MEP_MOS).
     pub const SHIFT_NCBL: Self = Self(1 << 12);
 
+    /// FCT_DYN_POS_LIMIT: limits of axis positions that a PLC moves.
+    pub const DYN_POS_LIMIT: Self = Self(1 << 13);
+
     /// The bits of the names that set the length of the look-ahead.
     const SIZES: u32 = 0x1F;
     /// The bits of the names that this version supports.
-    const AVAILABLE: u32 = 0x13FF;
+    const AVAILABLE: u32 = 0x33FF;
 
     /// The set with these bits; bit k stands for name k of [`INTERPOLATOR_FUNCTIONS`].
     pub const fn of_bits(bits: u32) -> Self {
@@ -114,7 +118,13 @@ impl InterpolatorFunctions {
             .iter()
             .enumerate()
             .find(|(bit, _)| self.0 & !Self::AVAILABLE & (1 << bit) != 0);
-        absent.map(|(_, name)| (*name, "leave it out: it is known, not available in this version"))
+        absent.map(|(_, name)| match *name {
+            "FCT_SYNC" => (
+                "FCT_SYNC",
+                "leave it out: it is known, not available in this version; no axis joins the path by X[SYNC IN …]",
+            ),
+            name => (name, "leave it out: it is known, not available in this version"),
+        })
     }
 }
 
@@ -153,7 +163,8 @@ impl InterpolatorData {
             .with(InterpolatorFunctions::CALC_STATE_AT_T)
             .with(InterpolatorFunctions::CALC_TIME)
             .with(InterpolatorFunctions::CALC_POS_V_0)
-            .with(InterpolatorFunctions::SHIFT_NCBL),
+            .with(InterpolatorFunctions::SHIFT_NCBL)
+            .with(InterpolatorFunctions::DYN_POS_LIMIT),
         fb_storage_size: 1 << 20,
         ..Self::ISG
     };

@@ -185,6 +185,10 @@ impl<const AXES: usize> Interpreter<AXES> {
             c.since(mark).needs(functions::BESIDE)?;
             return Ok(false);
         }
+        #[cfg(feature = "plc")]
+        if word.is("SYNC") {
+            return c.since(mark).fault(NcErrorKind::NotAvailable("FCT_SYNC: an axis that joins the path,"));
+        }
         if word.is("INDP") {
             return c.since(mark).fault(NcErrorKind::Missing("INDP_SYN or INDP_ASYN"));
         }

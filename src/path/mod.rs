@@ -25,6 +25,8 @@ mod merge;
 pub mod poly;
 #[cfg(feature = "kinematics")]
 pub mod powers;
+#[cfg(feature = "plc")]
+pub mod speed;
 
 pub(crate) use arc::arc_to;
 pub use arc::{arc, centre_of_radius};

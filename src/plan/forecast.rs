@@ -34,8 +34,9 @@ struct Trial {
     /// State of the look-ahead at the start of the trial; a change ends the trial.
     handed: Distance,
     stage: RingStage,
-    /// The instant of the question.
+    /// The instant of the question, and the ticks from there to the hold.
     asked: u32,
+    ahead: u32,
 }
 
 #[derive(Clone, Copy)]
@@ -53,6 +54,11 @@ impl Inquiry {
     pub const fn new() -> Self {
         Self { spans: CommittedSpans::new(), trial: None }
     }
+
+    /// Ends the trial, because its question is answered.
+    pub(super) fn end_trial(&mut self) {
+        self.trial = None;
+    }
 }
 
 impl Default for Inquiry {
@@ -67,9 +73,10 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.intake.inquiry = Some(inquiry);
     }
 
-    /// Whether a hold keeps the stop with which it begins (FCT_CALC_POS_V_0).
+    /// Whether a hold keeps the stop with which it begins (FCT_CALC_POS_V_0, FCT_DYN_POS_LIMIT).
     pub(super) const fn keeps_stop(&self) -> bool {
-        self.intake.machine.channel.interpolator.has(Functions::CALC_POS_V_0)
+        let interpolator = &self.intake.machine.channel.interpolator;
+        interpolator.has(Functions::CALC_POS_V_0) || interpolator.has(Functions::DYN_POS_LIMIT)
     }
 
     /// Marks the current profile as final for a hold, if `stays` is true and a hold keeps the stop with which
@@ -150,7 +157,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     }
 
     /// N number, motion block and point at a path distance.
-    fn place(&self, distance: i64) -> Option<(u32, u32, [Position; AXES])> {
+    pub(super) fn place(&self, distance: i64) -> Option<(u32, u32, [Position; AXES])> {
         let segments = &self.queue.segments;
         // At the end of all curves, the last curve counts.
         let number =
@@ -186,7 +193,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     }
 
     /// Path distance at the end of the queue.
-    fn motion_end(&self) -> i64 {
+    pub(super) fn motion_end(&self) -> i64 {
         self.motion_at(self.frontier.end).map_or(i64::MIN, |motion| motion.distance)
     }
 
@@ -264,7 +271,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         let Some(inquiry) = self.intake.inquiry.take() else {
             return Err(Unknown::NotEnabled(Question::Standstill.function()));
         };
-        let known = self.try_hold(now, inquiry);
+        let known = self.try_hold((now, 0), inquiry);
         if !matches!(known, Err(Unknown::Searching)) {
             inquiry.trial = None;
         }
@@ -274,15 +281,19 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         self.moment(now, at, stands).ok_or(Unknown::NotPlanned)
     }
 
-    /// The instant and the path distance of the stop.
-    fn try_hold(&mut self, now: u32, inquiry: &mut Inquiry) -> Result<(u32, i64), Unknown> {
+    /// The instant and the path distance of the stop, if a hold came `ahead` ticks after the instant `now`.
+    pub(super) fn try_hold(
+        &mut self,
+        (now, ahead): (u32, u32),
+        inquiry: &mut Inquiry,
+    ) -> Result<(u32, i64), Unknown> {
         let Inquiry { spans, trial } = inquiry;
         let is_same = |trial: &Trial| {
-            (trial.handed, trial.stage) == (self.handed, self.task.stage)
+            (trial.handed, trial.stage, trial.ahead) == (self.handed, self.task.stage, ahead)
                 && clock::is_before(now, trial.asked.wrapping_add(clock::TICK << 10))
         };
         if !trial.as_ref().is_some_and(is_same) {
-            *trial = Some(self.begin_trial(now)?);
+            *trial = Some(self.begin_trial(now, ahead)?);
             spans.copy_from(self.committed);
         }
         let Some(trial) = trial else { return Err(Unknown::Searching) };
@@ -304,15 +315,15 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
         core::mem::swap(self.committed, spans);
     }
 
-    /// The instant at which a hold now would change the plan, and the span at this instant.
-    fn begin_trial(&mut self, now: u32) -> Result<Trial, Unknown> {
+    /// The instant at which a hold `ahead` ticks from now would change the plan, and the span at this instant.
+    fn begin_trial(&mut self, now: u32, ahead: u32) -> Result<Trial, Unknown> {
         self.trim();
         let waits = self.reserve.waits && self.task.stage == RingStage::Passing;
         let cut = self.orders.mode.cut.is_some();
         if waits || cut || self.orders.mode.stopping || self.queue.phases.room() < KEPT_FREE {
             return Err(Unknown::Busy);
         }
-        let at = now.wrapping_add(clock::TICK * self.orders.lead);
+        let at = now.wrapping_add(clock::TICK * (self.orders.lead + ahead));
         let at = if clock::is_before(at, self.frontier.end) { at } else { self.frontier.end };
         let begins_behind =
             |k: &usize| self.committed.get(*k).is_none_or(|committed| clock::is_before(at, committed.first));
@@ -333,6 +344,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             handed: self.handed,
             stage: self.task.stage,
             asked: now,
+            ahead,
         })
     }
 

@@ -209,10 +209,12 @@ impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
         if !element.continued {
             let gate = self.functions.before(due, self.segments.end(), self.actions);
             let base = element.shape.base(self.entered);
+            #[cfg(feature = "plc")]
+            let from = self.segments.driven_end();
             // There is room: the caller has checked this.
             let _ = self.segments.push(element.shape, &base, pass.n, pass.number);
             #[cfg(feature = "plc")]
-            self.record(element, &base, pass);
+            self.record(element, from, pass);
             match end {
                 Some(end) => *self.entered = *end,
                 None => element.shape.end(&base, self.entered),

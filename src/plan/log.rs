@@ -6,7 +6,6 @@ use crate::contour_log::{Crowded, Passed, Recorder};
 use crate::machine::{FB_STORAGE_MIN, InterpolatorFunctions};
 use crate::nc::ContourLog;
 use crate::path::Piece;
-use crate::quantity::Position;
 
 /// Data of the intake for a PLC.
 pub(super) struct Plc<'q> {
@@ -20,14 +19,14 @@ impl Plc<'_> {
 }
 
 impl<const AXES: usize, const BLOCKS: usize> Entrance<'_, '_, AXES, BLOCKS> {
-    /// Records the last curve that was put into the queue.
+    /// Records the last curve that was put into the queue. `from`: the driven distance at its start.
     #[inline(never)]
-    pub(super) fn record(&mut self, element: &Piece<'_, AXES>, base: &[Position; AXES], pass: &Pass) {
+    pub(super) fn record(&mut self, element: &Piece<'_, AXES>, from: i64, pass: &Pass) {
         let Some(recorder) = &mut self.plc.recorder else { return };
         let Piece { shape, entry, exit, .. } = *element;
-        let path = self.segments.end().to_bits();
+        let driven = [from, self.segments.driven_end()];
         let Pass { n, number, .. } = *pass;
-        recorder.pass(&Passed { shape, base, entry, exit, n, number, path });
+        recorder.pass(&Passed { shape, entry, exit, n, number, driven });
     }
 }
 
@@ -39,8 +38,7 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
             return;
         }
         recorder.keep(interpolator.log_max);
-        recorder.set_measure(self.measure);
-        recorder.start(self.queue.segments.end().to_bits());
+        recorder.start(self.queue.segments.driven_end());
         self.intake.plc.recorder = Some(recorder);
     }
 
@@ -58,9 +56,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
 
     /// Starts the log for a new program: the distances in the log count from here.
     pub fn start_log(&mut self) {
-        let path = self.queue.segments.end().to_bits();
+        let driven = self.queue.segments.driven_end();
         if let Some(recorder) = &mut self.intake.plc.recorder {
-            recorder.start(path);
+            recorder.start(driven);
         }
     }
 
@@ -68,9 +66,9 @@ impl<'q, const AXES: usize, const BLOCKS: usize> Planning<'q, AXES, BLOCKS> {
     /// ends at the coming stop.
     pub fn cut_log(&mut self) {
         self.intake.plc.parts = false;
-        let path = self.queue.segments.end().to_bits();
+        let driven = self.queue.segments.driven_end();
         if let Some(recorder) = &mut self.intake.plc.recorder {
-            recorder.cut(path);
+            recorder.cut(driven);
             recorder.leave_loop();
         }
     }

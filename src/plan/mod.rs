@@ -35,6 +35,8 @@ mod intake;
 mod late;
 mod law;
 #[cfg(feature = "plc")]
+mod limits;
+#[cfg(feature = "plc")]
 mod log;
 mod pace;
 mod reserve;
@@ -199,6 +201,9 @@ struct Intake<'a, const AXES: usize> {
     /// Memory for a forecast of the stop by a hold.
     #[cfg(feature = "plc")]
     inquiry: Option<&'a mut Inquiry>,
+    /// Supervision of the limits that a PLC moves.
+    #[cfg(feature = "plc")]
+    watch: Option<limits::Watch<'a, AXES>>,
     #[cfg(feature = "kinematics")]
     transform: transform::Transform<'a, AXES>,
 }
@@ -447,6 +452,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
                 plc: log::Plc::NONE,
                 #[cfg(feature = "plc")]
                 inquiry: None,
+                #[cfg(feature = "plc")]
+                watch: None,
                 #[cfg(feature = "kinematics")]
                 transform: transform::Transform::new(start),
             },

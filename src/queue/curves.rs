@@ -552,6 +552,12 @@ impl<'a, const AXES: usize> CurveProducer<'a, AXES> {
         self.measure = measure;
     }
 
+    /// The driven distance at the end of the last curve, LSB 2^-44 mm.
+    #[cfg(feature = "plc")]
+    pub const fn driven_end(&self) -> i64 {
+        self.driven
+    }
+
     /// The driven distance of each curve, for other readers.
     #[cfg(feature = "driven")]
     pub(super) const fn drives(&self) -> Drives<'a> {

@@ -10,15 +10,24 @@
 //! over time brakes on a straight line, the result is exact, because the axes follow a cubic there. The
 //! interrupt does no work for this. A reader finds the current curve from the number of curves that the
 //! interrupt has passed.
+//!
+//! With the feature `plc`, [`super::arc_length`] replaces the cubics by the length of the curve itself.
+#[cfg(feature = "plc")]
+pub(super) use super::arc_length::{Drive, WORDS};
+#[cfg(not(feature = "plc"))]
 use crate::math::float::{max, min, to_f32, to_i64};
+#[cfg(not(feature = "plc"))]
 use crate::path::{Measure, Shape};
+#[cfg(not(feature = "plc"))]
 use crate::quantity::Position;
 use core::sync::atomic::{AtomicU32, Ordering};
 
 /// Number of words in a [`Drive`].
+#[cfg(not(feature = "plc"))]
 const WORDS: usize = 10;
 
 /// Weights of the slopes at the ends of eight parts of a curve, for the mean of each half (Boole's rule).
+#[cfg(not(feature = "plc"))]
 const WEIGHTS: [[f32; 2]; 9] = [
     [7.0, 0.0],
     [32.0, 0.0],
@@ -30,10 +39,13 @@ const WEIGHTS: [[f32; 2]; 9] = [
     [0.0, 32.0],
     [0.0, 7.0],
 ];
+#[cfg(not(feature = "plc"))]
 const PARTS: i64 = WEIGHTS.len() as i64 - 1;
+#[cfg(not(feature = "plc"))]
 const WHOLE: f32 = 90.0;
 
 /// The driven distance of one curve as a function of its path distance, LSB 2^-44 mm.
+#[cfg(not(feature = "plc"))]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Drive {
     /// Path distance at the start of the curve.
@@ -48,6 +60,7 @@ pub(super) struct Drive {
     slopes: [f32; 3],
 }
 
+#[cfg(not(feature = "plc"))]
 impl Drive {
     /// For a curve whose driven distance equals its path distance.
     pub const fn plain(start: i64, driven: i64) -> Self {
@@ -138,6 +151,7 @@ impl Drive {
 
 /// The cubic over 0 to 1 from 0 to `travel` with these slopes at both ends; the result is between 0 and
 /// `travel`.
+#[cfg(not(feature = "plc"))]
 fn cubic(part: f32, travel: f32, [first, last]: [f32; 2]) -> f32 {
     let (square, cube) = (3.0 * travel - 2.0 * first - last, first + last - 2.0 * travel);
     max(0.0, min(travel, part * (first + part * (square + part * cube))))

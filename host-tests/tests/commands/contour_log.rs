@@ -189,7 +189,7 @@ fn the_distance_counts_from_the_clear_that_the_motion_has_passed() {
     let mut last = [0.0; 3];
     run::<64, 64>(text, (&machines::even(1000), [Position::ZERO; 3]), |now| {
         let status = now.operator.status();
-        let got = now.contour.distance(status.planned).expect("kept").to_mm();
+        let got = now.contour.distance(status.distance).expect("kept").to_mm();
         let [x, y, _] = status.set_points.map(|point| point.to_num::<f64>());
         let path = if x < 10.0 || (last[0] < 10.0 && y == 0.0) {
             x
@@ -271,7 +271,7 @@ fn covered(text: &str, machine: &MachineData<3>, start: [Position; 3]) {
             return;
         }
         let status = now.operator.status();
-        let at = now.contour.distance(status.planned).expect("kept");
+        let at = now.contour.distance(status.distance).expect("kept");
         assert!(now.contour.reach() >= reach, "tick {}", now.tick);
         reach = now.contour.reach();
         assert!(at <= reach);
@@ -380,10 +380,10 @@ fn the_structures_of_the_hli() {
     let unit = ControlUnit::<5>::new();
     let (mut seen, mut last) = (0, 0.0);
     run::<64, 64>(text, (&machines::even(1000), [Position::ZERO; 3]), |now| {
-        let planned = now.operator.status().planned;
-        let at = ControlUnit::<5>::dist_prog_start(&now.contour, planned).expect("kept");
+        let driven = now.operator.status().distance;
+        let at = ControlUnit::<5>::dist_prog_start(&now.contour, driven).expect("kept");
         assert!(
-            at >= last && (at / 10_000.0 - now.contour.distance(planned).expect("kept").to_mm()).abs() < 1e-9
+            at >= last && (at / 10_000.0 - now.contour.distance(driven).expect("kept").to_mm()).abs() < 1e-9
         );
         last = at;
         if now.tick < 5 {
@@ -478,49 +478,6 @@ fn reach_depends_on_buffer_and_supply() {
     assert!(early < late && late < many, "{early} {late} {many}");
 }
 
-/// C40-016, C40-022, C40-074: inside of smoothed corners and splines the distance follows the path that the axes drive, to
-/// 6 % of the length of the curve; at both ends it is exact.
-#[test]
-fn the_distance_inside_of_polynomials_follows_the_axes() {
-    let mut all = Vec::new();
-    for smoothing in [
-        "#CONTOUR MODE [DEV PATH_DEV=1]\nG261",
-        "#CONTOUR MODE [DIST PRE_DIST=2 POST_DIST=2]\nG261",
-        "#CONTOUR MODE [DIST_SOFT PATH_DIST=2]\nG261",
-        "#HSC ON [BSPLINE PATH_DEV=0.5]",
-        "#SPLINE ON",
-    ] {
-        let text = format!(
-            "G01 F600\n{smoothing}\nN10 X10\nN20 Y10\nN30 X0 Y14\nN40 X-5\nN50 Y20\nG260\n#HSC OFF\n#SPLINE OFF\n"
-        );
-        let mut machine = machines::even(1000);
-        machine.channel.slope_profile = 1;
-        let (mut driven, mut worst, mut ends, mut curved) = (0.0, 0.0f64, 0.0f64, 0);
-        let mut last = [0.0; 3];
-        let refused = run::<256, 64>(&text, (&machine, [Position::ZERO; 3]), |now| {
-            let status = now.operator.status();
-            let at = status.set_points.map(|point| point.to_num::<f64>());
-            driven += at.iter().zip(&last).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt();
-            last = at;
-            let got = now.contour.distance(status.planned).expect("kept");
-            let off = (got.to_mm() - driven).abs();
-            let here = now.contour.elements(got, EVERYTHING).next().and_then(Result::ok);
-            match here {
-                Some(entry) if entry.block_type == BlockType::Polynomial => {
-                    curved += 1;
-                    worst = worst.max(off / entry.length.to_mm());
-                }
-                // Tick chords leave out a little of each curve.
-                _ => ends = ends.max(off),
-            }
-        });
-        assert_eq!(refused, None, "{smoothing}");
-        assert!(curved > 10 && ends < 2e-4, "{smoothing}: {curved} {ends}");
-        all.push((smoothing, worst));
-    }
-    assert!(all.iter().all(|(_, worst)| *worst < 0.06), "{all:?}");
-}
-
 /// C40-014, C40-045: the next program begins at 0 with an empty log; an abort takes back what will not be driven.
 #[test]
 fn program_start_and_abort() {
@@ -548,7 +505,7 @@ fn program_start_and_abort() {
     let stands = status.set_points[0].to_num::<f64>();
     assert!(stands > 1.0 && stands < 9.0, "{stands}");
     assert!((contour.reach().to_mm() - stands).abs() < 1e-6, "{} {stands}", contour.reach().to_mm());
-    assert_eq!(contour.distance(status.planned), Ok(contour.reach()));
+    assert_eq!(contour.distance(status.distance), Ok(contour.reach()));
     planner.load(b"N30 G01 X30 F6000\nN40 Y3\n".as_slice()).expect("at rest");
     assert_eq!((contour.reach(), contour.log_state().entries), (ProgramDistance::ZERO, 0));
     drive(&mut planner, usize::MAX);
@@ -599,12 +556,12 @@ fn a_log_is_active_until_its_end_is_read() {
     assert_eq!(seen, [true, false]);
 }
 
-/// An element takes 48 bytes of memory, in both tables.
+/// An element takes 44 bytes of memory, in both tables.
 #[test]
-fn an_entry_takes_48_bytes() {
+fn an_entry_takes_44_bytes() {
     let empty = size_of::<ContourMemory<0, 0>>();
-    assert_eq!(size_of::<ContourMemory<128, 0>>() - empty, 128 * 48);
-    assert_eq!(size_of::<ContourMemory<64, 32>>() - empty, 96 * 48);
+    assert_eq!(size_of::<ContourMemory<128, 0>>() - empty, 128 * 44);
+    assert_eq!(size_of::<ContourMemory<64, 32>>() - empty, 96 * 44);
 }
 
 /// The id of an element is the motion block that the status shows while the motion is on it.
@@ -616,7 +573,7 @@ fn elements_have_the_block_of_the_status() {
     let mut seen = Vec::new();
     run::<64, 64>(text, (&machines::even(1000), [Position::ZERO; 3]), |now| {
         let status = now.operator.status();
-        let at = now.contour.distance(status.planned).expect("kept");
+        let at = now.contour.distance(status.distance).expect("kept");
         let mut ahead = now.contour.elements(at, EVERYTHING).map(|entry| entry.expect("kept"));
         if let Some(element) = ahead.next().filter(|element| element.start < at) {
             assert_eq!((element.id, element.n), (status.block, status.n), "tick {}", now.tick);

@@ -298,7 +298,7 @@ fn modulo_sets_the_distance_back() {
                 now.switch.disable();
             }
             known = now.contour.reach().to_mm();
-            let distance = now.contour.distance(now.status.planned).map_or(f64::NAN, ProgramDistance::to_mm);
+            let distance = now.contour.distance(now.status.distance).map_or(f64::NAN, ProgramDistance::to_mm);
             at.push(distance);
         });
         assert_eq!(refused, None);

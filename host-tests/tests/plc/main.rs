@@ -1,4 +1,7 @@
 //! The PC's side of `cargo xtask hil --plc`: the expected results of the target.
+mod distance;
+mod limits;
+
 use glidepath::channel::Channel;
 use hil_cases::{BLOCKS, LASER_POWER, PASSES, PlcMemory, RING_DIGEST, Unwatched, laser, ring};
 

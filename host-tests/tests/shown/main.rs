@@ -96,7 +96,7 @@ fn shown<const AXES: usize>(
         seen.speed_off = seen.speed_off.max((status.speed.0.to_num::<f64>() - chord).abs());
         seen.planned = status.planned.0.to_num::<f64>();
         if done && state == State::Idle {
-            let told = contour.distance(status.planned).map_or(f64::NAN, ProgramDistance::to_mm);
+            let told = contour.distance(status.distance).map_or(f64::NAN, ProgramDistance::to_mm);
             seen.log_off = (told - status.distance.0.to_num::<f64>()).abs();
             break;
         }

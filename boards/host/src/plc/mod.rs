@@ -90,7 +90,7 @@ impl<'a> Plc<'a> {
         planner: &mut Planner<'_, T, AXES, BLOCKS, F, OVERLAYS>,
         operator: &Operator<'_, AXES>,
     ) {
-        let at = self.contour.distance(operator.status().planned);
+        let at = self.contour.distance(operator.status().distance);
         while let Some(request) = self.script.requests.get(self.next) {
             if !self.is_over && ticks(request.time_ns, self.cycle_us) > tick {
                 break;

@@ -371,8 +371,7 @@ mod tests {
     /// Functions that this version does not have are refused by name. Rows: C40-063, C40-069, C40-071.
     #[test]
     fn absent_functions_are_refused_by_name() {
-        for name in ["FCT_LIFT_UP_TIME", "FCT_EXTENSION_EQUIDIST", "FCT_DLM", "FCT_SYNC", "FCT_DYN_POS_LIMIT"]
-        {
+        for name in ["FCT_LIFT_UP_TIME", "FCT_EXTENSION_EQUIDIST", "FCT_DLM", "FCT_SYNC"] {
             let said = refused(&named(&format!("FCT_IPO_DEFAULT|{name}")));
             assert!(said.contains(&format!("\": {name}")), "{said}");
             assert!(said.contains("known, not available in this version"), "{said}");
