@@ -66,6 +66,10 @@ impl<const AXES: usize> Interpreter<AXES> {
             c.bump();
         }
         let (decimal, factor) = (c.plain_decimal()?, self.axis_factor(axis));
+        #[cfg(feature = "fanuc")]
+        if self.counts_increments(c, &decimal) {
+            return None;
+        }
         let bits = decimal.bits(factor)?;
         if bits > MAX.to_bits() {
             return None;
@@ -110,7 +114,12 @@ impl<const AXES: usize> Interpreter<AXES> {
                     mode = Some((of, c.word_from(mark)));
                 }
                 b'F' if feed.is_none() => {
-                    let bits = c.plain_decimal()?.bits(self.feed_factor())?;
+                    let decimal = c.plain_decimal()?;
+                    #[cfg(feature = "fanuc")]
+                    if self.modal.inch && self.counts_increments(&c, &decimal) {
+                        return None;
+                    }
+                    let bits = decimal.bits(self.feed_factor())?;
                     if bits == 0 {
                         return None;
                     }
