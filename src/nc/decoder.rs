@@ -322,8 +322,8 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         may
     }
 
-    /// The value of a parameter after the lines read so far. The text is that of the parameter in a comment, without `#`:
-    /// `100`, `<name>`. `None` if the parameter has no value.
+    /// The value of a parameter after the lines read so far; `None` if it has no value. `text` names the
+    /// parameter as a comment does, without `#`: `100`, `<name>`.
     #[cfg(feature = "dialects")]
     pub fn parameter(&self, text: &[u8]) -> Option<f64> {
         self.interpreter.parameter(text)

@@ -127,8 +127,8 @@ pub fn endless(files: &Files, at: Place, limit: u64) -> Diagnostic {
     place(Diagnostic::error(message), files, at).expected("expected an end; --max-commands N allows for more")
 }
 
-/// A comment of the program for the operator. `value` is the value of a parameter; `(DEBUG, …)` and `(PRINT, …)` show
-/// such values. `None` for `(DEBUG, …)` that the program hides with `#5599=0`.
+/// A comment of the program for the operator. `value` returns the value of a parameter; `(DEBUG, …)` and
+/// `(PRINT, …)` show such values. `None` for `(DEBUG, …)` that the program hides with `#5599=0`.
 pub fn message(files: &Files, head: &Head, value: impl Fn(&[u8]) -> Option<f64>) -> Option<Diagnostic> {
     let (text, before) = files.with(head.place.file, |source| {
         let from = head.place.offset as usize;
