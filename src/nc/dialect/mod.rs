@@ -185,7 +185,8 @@ impl<const AXES: usize> State<AXES> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Note {
-    /// `(MSG, text)`, `(DEBUG, …)` and `(PRINT, …)`: a message. The numbers start at 1, so that all bytes are zero if there is no comment.
+    /// `(MSG, text)`, `(DEBUG, …)` and `(PRINT, …)`: a message. The numbers start at 1, so that all bytes are
+    /// zero if there is no comment.
     Message = 1,
     /// `(LOG…, …)`, `(PROBE…)`.
     Other,
