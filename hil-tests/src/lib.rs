@@ -9,6 +9,8 @@ pub mod stack;
 use glidepath_copy as _;
 
 pub use counter::{Counter, UNIT};
+#[cfg(feature = "grbl")]
+pub use record::record_decoder;
 #[cfg(feature = "five")]
 pub use record::record_five;
 #[cfg(feature = "plc")]

@@ -6,9 +6,13 @@ use core::mem::size_of;
 use glidepath::channel::{Channel, Error, Planner, Progress};
 use glidepath::fir::Filters;
 use glidepath::machine::MachineData;
+#[cfg(feature = "grbl")]
+use glidepath::machine::{ChannelData, Dialect, ForeignChannel};
 use glidepath::nc::{Decoder, NcError, Step, Window};
 use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
+#[cfg(feature = "grbl")]
+use hil_cases::{AXES_3_SHORT, PLAIN};
 use hil_cases::{
     CASES_BESIDE, Case, Failure, FilterMemory, OVERLAYS, Outcome, SEEDS, TAPS, WINDOW, Watch, beside,
     commanded, run, session,
@@ -247,6 +251,31 @@ pub fn record_five<const BLOCKS: usize>(channel: &mut Channel<5, BLOCKS>) -> ! {
     exit(good)
 }
 
+/// Decodes the plain program in each dialect of the build, and ends. A dialect that the build does not have has
+/// no line of costs.
+#[cfg(feature = "grbl")]
+pub fn record_decoder<const BLOCKS: usize>(channel: &mut Channel<3, BLOCKS>) -> ! {
+    let mut report = Report::open();
+    let counter = Counter::start();
+    let mut good = true;
+    for &dialect in Dialect::ALL {
+        let foreign = ForeignChannel { dialect, ..AXES_3_SHORT.channel.foreign };
+        let machine =
+            MachineData { channel: ChannelData { foreign, ..AXES_3_SHORT.channel }, ..AXES_3_SHORT };
+        if channel.split(&machine, [Position::ZERO; 3], PLAIN).is_err() {
+            continue;
+        }
+        let (Cost { calls, sum, max }, is_whole) = decode(channel, &machine, PLAIN, &counter);
+        good &= is_whole;
+        let name = dialect.name();
+        let _ = writeln!(report, "dialect {name} calls {calls} sum {sum} max {max}");
+    }
+    let channel = size_of::<Channel<3, BLOCKS>>();
+    let _ = writeln!(report, "channel axes 3 blocks {BLOCKS} bytes {channel}");
+    report.flush();
+    exit(good)
+}
+
 fn report_end(report: &mut Report, result: &Result<Outcome, Failure>) {
     let _ = match result {
         Ok(o) => writeln!(
@@ -287,24 +316,24 @@ fn record<const AXES: usize, const BLOCKS: usize>(
     let _ = writeln!(report, "case {} axes {AXES} blocks {BLOCKS}", case.name);
     let mut recorder = Recorder::new(counter, report, stacks);
     let result = run(channel, machine, case.text, &mut recorder);
-    recorder.close(&result, decode(channel, machine, case, counter))
+    recorder.close(&result, decode(channel, machine, case.text, counter).0)
 }
 
-/// The decoder alone, to tell its share of the planner's work.
+/// The decoder alone, to tell its share of the planner's work; and whether it reached the end.
 fn decode<const AXES: usize, const BLOCKS: usize>(
     channel: &mut Channel<AXES, BLOCKS>,
     machine: &MachineData<AXES>,
-    case: &Case,
+    text: &'static [u8],
     counter: &Counter,
-) -> Cost {
-    let mut decoder = channel.decode(machine, [Position::ZERO; AXES], case.text);
+) -> (Cost, bool) {
+    let mut decoder = channel.decode(machine, [Position::ZERO; AXES], text);
     let mut cost = Cost::default();
     loop {
         let before = counter.now();
         let step = step(&mut decoder);
         cost.add(counter.net(counter.now().wrapping_sub(before)));
         if matches!(step, Ok(Step::End) | Err(_)) {
-            return cost;
+            return (cost, step.is_ok());
         }
     }
 }

@@ -24,6 +24,13 @@ impl<'a, T: Text, const AXES: usize, const BLOCKS: usize, F: FilterPlan<AXES>, c
         if is_put { Ok(()) } else { Err(Busy { text: () }) }
     }
 
+    /// The value of a parameter after the lines read so far; `None` if it has no value. `text` names the
+    /// parameter as a comment does, without `#`: `100`, `<name>`.
+    #[cfg(feature = "dialects")]
+    pub fn parameter(&self, text: &[u8]) -> Option<f64> {
+        self.decoder.parameter(text)
+    }
+
     /// The zero offsets and the positions for G28 and G30 that programs have stored.
     pub fn stored(&self) -> StoredOffsets<AXES> {
         self.decoder.stored()

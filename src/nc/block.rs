@@ -433,6 +433,14 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             return Ok(());
         }
+        #[cfg(feature = "grbl")]
+        if code == 0 || code == 1 {
+            // M01 pauses only with its switch.
+            if code == 0 || self.setup.foreign.optional_stop {
+                put_where(&mut self.queue, None, span, ItemKind::Pause(code))?;
+            }
+            return Ok(());
+        }
         #[cfg(feature = "plc")]
         self.check_shift(false, code, span)?;
         let before = self.setup.m_synch.of(code).is_before();

@@ -274,6 +274,13 @@ impl<'a> Cursor<'a> {
         Some(Plain { mantissa, scale: scale as u8 })
     }
 
+    /// Whether the byte before the cursor is a decimal point.
+    #[cfg(feature = "fanuc")]
+    #[inline(always)]
+    pub fn is_behind_point(&self) -> bool {
+        self.at.checked_sub(1).and_then(|at| self.bytes.get(at)) == Some(&b'.')
+    }
+
     /// Reads one to nine digits without a decimal point after them.
     #[cfg_attr(feature = "fast", inline(always))]
     pub fn plain_whole(&mut self) -> Option<u32> {

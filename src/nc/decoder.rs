@@ -322,6 +322,13 @@ impl<'a, T: Text, const AXES: usize> Decoder<'a, T, AXES> {
         may
     }
 
+    /// The value of a parameter after the lines read so far; `None` if it has no value. `text` names the
+    /// parameter as a comment does, without `#`: `100`, `<name>`.
+    #[cfg(feature = "dialects")]
+    pub fn parameter(&self, text: &[u8]) -> Option<f64> {
+        self.interpreter.parameter(text)
+    }
+
     /// The zero offsets and stored positions in force, including those that programs have stored.
     #[cfg(feature = "grbl")]
     pub fn stored(&self) -> super::StoredOffsets<AXES> {

@@ -194,6 +194,9 @@ pub enum NcErrorKind {
     /// The program reads a named parameter that has no value.
     #[cfg(feature = "grbl")]
     NameUnset,
+    /// `(ABORT, …)` was reached. The text is that of the comment.
+    #[cfg(feature = "grbl")]
+    Aborted,
     /// The text does not have the subroutine that a call (O word or M98) names.
     #[cfg(feature = "grbl")]
     NoProgram,
@@ -381,6 +384,21 @@ impl fmt::Display for NcError {
                 f,
                 "unknown word \"{found}\": expected a word of the dialect {dialect} (`glidepath words {dialect}`)"
             ),
+            #[cfg(feature = "grbl")]
+            K::Aborted => {
+                write!(
+                    f,
+                    "the program ends itself with ABORT, \"{}\"; expected a run without it",
+                    found.trim()
+                )
+            }
+            #[cfg(feature = "grbl")]
+            K::Unused if found.starts_with(['E', 'e']) => {
+                write!(
+                    f,
+                    "no word of this block uses \"{found}\": expected no E: no exponent of a number, no extruder"
+                )
+            }
             #[cfg(feature = "grbl")]
             K::Unused => write!(f, "no word of this block uses \"{found}\": expected a word that does"),
             #[cfg(feature = "grbl")]
@@ -584,7 +602,7 @@ impl fmt::Display for NcWarning {
                 "a turn straight back, or of more than 102 degrees beside an arc: #HSC [SURFACE] does not round it, the motion stands still there"
             }
             NcWarningKind::SurfaceLost => {
-                "#HSC [SURFACE] found no curve inside its tolerance for a block before this one: its corners stay sharp"
+                "#HSC [SURFACE] found no curve inside its tolerance for a block before this one: the motion stands still in its corners"
             }
             NcWarningKind::OscillationLimited => {
                 "the dynamics of the axis limit the oscillation: it is slower than programmed"

@@ -246,7 +246,7 @@ impl<const AXES: usize> Interpreter<AXES> {
     /// the line continues later.
     pub fn line(&mut self, line: &Line, bounds: Bounds, goes_on: bool) -> Result<Next, Refusal> {
         #[cfg(feature = "grbl")]
-        let goes_on = goes_on || !self.takes_plain(line);
+        let goes_on = goes_on || !self.takes_plain();
         if !goes_on
             && self.phase == Phase::Running
             && self.flow.passing == Passing::No
@@ -377,6 +377,9 @@ impl<const AXES: usize> Interpreter<AXES> {
     fn statement(&mut self, c: &mut Cursor<'_>, line: &Line, bounds: Bounds) -> Result<Next, Fault> {
         self.n = 0;
         self.moves = false;
+        if self.block_skip(c) {
+            return Ok(Next::Line);
+        }
         let numbered = c.peek_upper() == b'N';
         self.block_number(c)?;
         if c.peek() == b'[' {
@@ -411,6 +414,28 @@ impl<const AXES: usize> Interpreter<AXES> {
                 self.words(c, line)
             }
         }
+    }
+
+    /// Reads `/` at the start of a block. Returns whether the block is left out.
+    #[cfg(feature = "grbl")]
+    fn block_skip(&self, c: &mut Cursor<'_>) -> bool {
+        // `/2` is a switch of its own, which is not there.
+        let mark = c.mark();
+        if !c.eat(b'/') {
+            return false;
+        }
+        if c.peek().is_ascii_digit() {
+            c.back_to(mark);
+            return false;
+        }
+        self.setup.foreign.block_delete
+    }
+
+    /// A build without `grbl` has no switch for blocks with `/`, and refuses them.
+    #[cfg(not(feature = "grbl"))]
+    #[inline(always)]
+    const fn block_skip(&self, _: &mut Cursor<'_>) -> bool {
+        false
     }
 
     /// Reads a block number: `N10`, `N10:`, `NP123`. A fraction is cut off.

@@ -66,6 +66,10 @@ impl<const AXES: usize> Interpreter<AXES> {
             c.bump();
         }
         let (decimal, factor) = (c.plain_decimal()?, self.axis_factor(axis));
+        #[cfg(feature = "fanuc")]
+        if self.counts_increments(c, &decimal) {
+            return None;
+        }
         let bits = decimal.bits(factor)?;
         if bits > MAX.to_bits() {
             return None;
@@ -81,6 +85,18 @@ impl<const AXES: usize> Interpreter<AXES> {
         // Three coordinates cannot overflow.
         let slot = value.wrapping_add(from);
         in_range(slot).then_some(slot)
+    }
+
+    /// The feed of a plain F. Returns `None` if it is not plain.
+    #[inline(always)]
+    fn plain_feed(&self, c: &mut Cursor<'_>) -> Option<Feed> {
+        let decimal = c.plain_decimal()?;
+        #[cfg(feature = "fanuc")]
+        if self.modal.inch && self.counts_increments(c, &decimal) {
+            return None;
+        }
+        let bits = decimal.bits(self.feed_factor())?;
+        (bits != 0).then(|| Feed::from_bits(bits))
     }
 
     /// Carries out a plain block with a motion; the caller then returns this motion. Returns `None`, and
@@ -109,13 +125,7 @@ impl<const AXES: usize> Interpreter<AXES> {
                     };
                     mode = Some((of, c.word_from(mark)));
                 }
-                b'F' if feed.is_none() => {
-                    let bits = c.plain_decimal()?.bits(self.feed_factor())?;
-                    if bits == 0 {
-                        return None;
-                    }
-                    feed = Some(Feed::from_bits(bits));
-                }
+                b'F' if feed.is_none() => feed = Some(self.plain_feed(&mut c)?),
                 _ => {
                     let axis = self.letters.axis(letter)?;
                     let bit = 1_u32.wrapping_shl(axis as u32);

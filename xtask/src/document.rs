@@ -1,4 +1,5 @@
 //! Writes `docs/figures.md`: the measured figures and their limits.
+use crate::dialects::{BUILDS, DIALECTS};
 use crate::figures::{
     CONTOUR, FLASH_OF, Figures, GOALS, HSC, LIMITS, RAM, SHORT_ARCS, SLOPES, SMOOTHED, STACK_FREE,
 };
@@ -30,6 +31,7 @@ pub fn text(figures: &Figures) -> String {
     stack(figures, &mut text);
     flash(figures, &mut text);
     slim(figures, &mut text);
+    dialects(figures, &mut text);
     text
 }
 
@@ -208,6 +210,29 @@ fn slim(figures: &Figures, text: &mut String) {
         bound("poll"),
         bound("interrupt"),
     );
+}
+
+fn dialects(figures: &Figures, text: &mut String) {
+    let shown = |key: String| figures.values.get(&key).map_or("–".to_owned(), u64::to_string);
+    *text += "\n## Dialects\n\nInstructions of the decoder for a line of the program `plain`, the same lines in each dialect. The first row is the build \
+             with all\nfunctions. The others are built for size (`\"z\"`), with the features `hsc` and the one named; `isg` has ISG's words alone. `Channel` is \
+             for\n3 axes and 30 blocks.\n\n| build | flash | `Channel` |";
+    for name in DIALECTS {
+        let _ = write!(text, " {name} |");
+    }
+    *text += "\n|---|---:|---:|---:|---:|---:|---:|\n| all | | |";
+    for name in DIALECTS {
+        let _ = write!(text, " {} |", shown(format!("dialect.{name}.decode_mean")));
+    }
+    *text += "\n";
+    for (build, _) in BUILDS {
+        let [flash, channel] = ["flash", "ram_channel_3x30"].map(|key| shown(format!("build.{build}.{key}")));
+        let _ = write!(text, "| {build} | {flash} | {channel} |");
+        for name in DIALECTS {
+            let _ = write!(text, " {} |", shown(format!("build.{build}.decode_mean_{name}")));
+        }
+        *text += "\n";
+    }
 }
 
 /// Text about whether a goal is reached.

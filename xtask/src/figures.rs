@@ -10,7 +10,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 /// Hard limits of the project, also for accepted figures: key, highest value.
-pub(crate) const LIMITS: [(&str, u64); 46] = [
+pub(crate) const LIMITS: [(&str, u64); 50] = [
     ("total.block_mean_plain_3_axes", 7850),
     ("total.block_mean_3_axes", 13_100),
     ("case.surface.block_mean", 20_000),
@@ -37,6 +37,10 @@ pub(crate) const LIMITS: [(&str, u64); 46] = [
     ("total.block_mean_hsc", 8000),
     ("case.plain.decode_mean", 2500),
     ("case.cam.decode_mean", 2500),
+    ("dialect.isg.decode_mean", 2500),
+    ("dialect.linuxcnc.decode_mean", 2500),
+    ("dialect.grbl.decode_mean", 2500),
+    ("dialect.fanuc.decode_mean", 2500),
     ("flash.reference", 506 * 1024),
     ("slim.flash", 252 * 1024),
     ("slim.ram_total_3x30", 30 * 1024 + 128),
@@ -148,6 +152,8 @@ pub struct MemoryFigures {
     pub commands: BTreeMap<String, Commanded>,
     /// The longest interrupt of the controller's firmware, instructions.
     pub controller: u64,
+    /// Instructions of the decoder in each dialect, flash and RAM of builds with them.
+    pub dialects: BTreeMap<String, u64>,
 }
 
 /// Cost of filters and of independent axes: instructions per tick and axis in addition to the same path
@@ -323,6 +329,7 @@ fn add_memory(values: &mut BTreeMap<String, u64>, memory: &MemoryFigures) -> Res
         values.insert(key.into(), value);
     });
     values.extend(memory.slim.iter().map(|(key, value)| (key.clone(), *value)));
+    values.extend(memory.dialects.iter().map(|(key, value)| (key.clone(), *value)));
     for (name, worst) in &memory.commands {
         values.insert(format!("command.{name}.poll_max"), worst.poll);
         values.insert(format!("command.{name}.schedule"), worst.seed);
@@ -454,6 +461,15 @@ fn limits(measured: &Figures) -> Result<(), String> {
         }
     }
     if beyond.is_empty() { Ok(()) } else { Err(format!("beyond a hard limit: {}", beyond.join("; "))) }
+}
+
+/// Checks those of `figures` that have a hard limit.
+pub fn within_limits(figures: &BTreeMap<String, u64>) -> Result<(), String> {
+    let is_beyond = |(key, limit): &(&str, u64)| figures.get(*key).is_some_and(|value| value > limit);
+    match LIMITS.iter().find(|limit| is_beyond(limit)) {
+        Some((key, limit)) => Err(format!("{key} is beyond its limit {limit}")),
+        None => Ok(()),
+    }
 }
 
 fn accepted_file() -> PathBuf {

@@ -1,5 +1,6 @@
 //! The target's tests: same bits, real interrupt, no panicking path, and the figures.
 use crate::controller;
+use crate::dialects;
 use crate::figures::{self, Beside, Commanded, Figures, MemoryFigures};
 use crate::firmware::{CORES, Firmware, Place, artifact, small};
 use crate::host::{self, HostRun};
@@ -81,6 +82,8 @@ pub fn all(place: Place) -> Result<(), String> {
     if place == Place::Emulator {
         step("lines, arcs and contour mode alone");
         memory.slim = slim(&firmware)?;
+        step("the decoder in each dialect");
+        memory.dialects = dialects::measure(&firmware)?;
     }
     step("interpolator in the timer interrupt");
     let report = firmware.report("interrupt")?;
@@ -120,6 +123,7 @@ pub fn bench(accept: bool) -> Result<(), String> {
     memory.beside = beside(&firmware.report("beside")?)?;
     memory.commands = commands(&firmware)?;
     memory.slim = slim(&firmware)?;
+    memory.dialects = dialects::measure(&firmware)?;
     memory.interrupted = target::read_memory(&firmware.report("interrupt")?)?;
     memory.controller = controller::interrupt(&firmware)?;
     let measured = Figures::measured(firmware.compiler(), &runs, &memory)?;

@@ -2,6 +2,7 @@
 //! error.
 mod controller;
 mod cores;
+mod dialects;
 mod document;
 mod elf;
 mod figures;
@@ -32,6 +33,7 @@ cargo xtask COMMAND
   hil --probe   the same on an STM32F405 behind a debug probe (probe-rs); figures are shown, not compared
   hil --beside  only filters and axes beside the path: digests, and what each of them costs
   hil --five    only a program under a transformation: digests, and what it costs
+  hil --dialects  only the decoder in each dialect: instructions of a plain line, flash and RAM of builds
   hil --slim    only the build without other functions than lines, arcs and contour mode
   hil --interrupt  only the interpolator in the timer interrupt, with a planner that keeps up and one that is late
   hil --commands  only programs with commands all the time: digests, and the largest call of each
@@ -71,6 +73,7 @@ fn main() -> ExitCode {
         ["hil", "--beside"] => hil::only_beside(),
         ["hil", "--plc"] => hil::only_plc(),
         ["hil", "--five"] => hil::only_five(),
+        ["hil", "--dialects"] => dialects::only(),
         ["hil", "--slim"] => hil::only_slim(),
         ["hil", "--interrupt"] => hil::only_interrupt(),
         ["hil", "--commands"] => hil::only_commands(),

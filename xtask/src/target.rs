@@ -104,6 +104,25 @@ pub fn read_beside(report: &str) -> Result<[u64; 2], String> {
     Ok([number(&values, "tap", line)?, number(&values, "overlay", line)?])
 }
 
+/// Costs of the decoder by the name of the dialect.
+pub fn read_dialects(report: &str) -> Result<BTreeMap<String, Cost>, String> {
+    let lines = report.lines().filter_map(|line| line.strip_prefix("dialect "));
+    let read = |line: &str| {
+        let (name, values) = line.split_once(' ').ok_or_else(|| unreadable(line))?;
+        let values = fields(values);
+        let value = |key| number(&values, key, line);
+        Ok((name.to_owned(), Cost { calls: value("calls")?, sum: value("sum")?, max: value("max")? }))
+    };
+    lines.map(read).collect()
+}
+
+/// Bytes of the channel in the report of `decode`.
+pub fn read_channel(report: &str) -> Result<u64, String> {
+    let line =
+        report.lines().find_map(|line| line.strip_prefix("channel ")).ok_or("no bytes of the channel")?;
+    number(&fields(line), "bytes", line)
+}
+
 /// RAM of a configuration, from the target's report.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Memory {

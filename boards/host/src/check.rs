@@ -127,7 +127,9 @@ fn check_axes<const AXES: usize>(
                     at = motion.target;
                     last = Some(motion);
                 }
-                Command::Message(head) => checked.messages.push(message(files, &head)),
+                Command::Message(head) => {
+                    checked.messages.extend(message(files, &head, |name| planner.parameter(name)));
+                }
                 _ => {}
             }
         }

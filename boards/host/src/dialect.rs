@@ -390,6 +390,26 @@ struct Line {
     text: String,
     words: Vec<Word>,
     number: usize,
+    /// The line begins with `#` and a blank: text, no statement of ISG.
+    is_remark: bool,
+    /// Column of the first exponent of a number, from 0.
+    exponent: Option<usize>,
+}
+
+/// Column of the first exponent, as in `1e-5` and `2E+01`, from 0. Printers write E behind a blank or in upper case
+/// without a sign.
+fn exponent(line: &[u8]) -> Option<usize> {
+    let code = line.iter().position(|byte| matches!(byte, b'(' | b';')).map_or(line, |end| &line[..end]);
+    (1..code.len()).find(|&at| {
+        let behind = code.get(at + 1).copied().unwrap_or_default();
+        let digit = |byte: u8| byte.is_ascii_digit() || byte == b'.';
+        match code[at] {
+            b'e' | b'E' if !digit(code[at - 1]) => false,
+            b'e' => behind.is_ascii_digit() || matches!(behind, b'-' | b'+'),
+            b'E' => matches!(behind, b'-' | b'+'),
+            _ => false,
+        }
+    })
 }
 
 impl Line {
@@ -409,11 +429,19 @@ impl Line {
                 }
             }
         }
+        let is_remark = text.starts_with('#')
+            && line.iter().position(|byte| *byte == b'#').and_then(|at| line.get(at + 1)) == Some(&b' ');
         let mut words = Vec::new();
         let letters: Vec<char> = text.chars().collect();
         let mut at = 0;
         while at < letters.len() {
             let letter = letters[at];
+            // The letters of #<name> and O<name> are no words.
+            let is_named = letters.get(at + 1) == Some(&'<') && matches!(letter, '#' | 'O');
+            if let Some(end) = letters[at..].iter().position(|&letter| letter == '>').filter(|_| is_named) {
+                at += end + 1;
+                continue;
+            }
             let end = (at + 1..letters.len())
                 .find(|&k| !matches!(letters[k], '0'..='9' | '.' | '+' | '-'))
                 .unwrap_or(letters.len());
@@ -425,7 +453,7 @@ impl Line {
             }
             at = end;
         }
-        Self { text, words, number }
+        Self { text, words, number, is_remark, exponent: exponent(line) }
     }
 
     fn has(&self, letter: char, tenths: u32) -> bool {
@@ -454,7 +482,8 @@ impl Line {
 
     /// Words that have another effect in ISG's language than in LinuxCNC and Grbl, with this effect.
     fn traps(&self) -> Vec<(Mark, &'static str)> {
-        const G: [(u32, &str); 3] = [
+        const G: [(u32, &str); 4] = [
+            (930, "takes F as a time in ISG; with --dialect linuxcnc or grbl F is 1/min"),
             (530, "stays in force in ISG, until G54 to G59; with --dialect linuxcnc it holds in its block"),
             (610, "rounds corners in ISG; with --dialect linuxcnc or grbl it is exact path"),
             (920, "adds an offset in ISG; with --dialect linuxcnc or grbl this place gets the coordinates"),
@@ -483,7 +512,7 @@ impl Line {
         let named = |lead: char, of: fn(char) -> bool| {
             body.strip_prefix(lead).and_then(|rest| rest.chars().next()).is_some_and(of)
         };
-        let statement = named('#', |c| c.is_ascii_alphabetic())
+        let statement = named('#', |c| c.is_ascii_alphabetic()) && !self.is_remark
             || named('%', |c| c.is_ascii_alphanumeric())
             || named('L', |c| !matches!(c, '0'..='9' | '.' | '+' | '-'))
             || ["$FOR", "$IF", "$WHILE", "$DO", "$REPEAT", "$SWITCH", "$GOTO"]
@@ -554,7 +583,7 @@ impl Line {
         let axes = self.words.iter().any(|word| "XYZABCUVW".contains(word.letter));
         match mark.word.as_str() {
             "G53" | "G92" => axes,
-            "G61" => true,
+            "G61" | "G93" => true,
             "M98" => self.first('P').is_some(),
             _ => false,
         }
@@ -592,6 +621,11 @@ impl Line {
     fn grbl(&self) -> Option<Mark> {
         let commands = ["$H", "$X", "$J=", "$$", "$RST"];
         let alone = ["$I", "$G", "$N", "$#", "?"];
+        let setting = self.text.strip_prefix('$').and_then(|rest| rest.split_once('='));
+        if setting.is_some_and(|(number, _)| number.chars().all(|c| c.is_ascii_digit()) && !number.is_empty())
+        {
+            return Some(self.at_start("a setting $n="));
+        }
         let found = commands.iter().find(|command| self.text.starts_with(*command));
         found.or(alone.iter().find(|command| self.text == **command)).map(|command| self.at_start(command))
     }
@@ -614,8 +648,9 @@ impl Line {
     /// Words of 3-D printers.
     fn printer(&self) -> Option<Mark> {
         const CODES: &[u32] = &[820, 830, 840, 1040, 1060, 1070, 1090, 1400, 1900];
-        let feeds =
-            self.first('E').filter(|word| word.tenths != u32::MAX && self.any('G', &[0, 10]).is_some());
+        let feeds = self.first('E').filter(|word| {
+            word.tenths != u32::MAX && self.exponent != Some(word.at) && self.any('G', &[0, 10]).is_some()
+        });
         self.any('M', CODES).or(feeds.map(|word| self.mark("E", word)))
     }
 }
@@ -769,6 +804,23 @@ mod tests {
     }
 
     #[test]
+    fn names_remarks_and_exponents_are_no_words() {
+        for (text, wanted) in [
+            ("o<g881> sub\n(debug, x)\nG1 X1 F5\no<g881> endsub\nM2", Some(Dialect::LinuxCnc)),
+            ("#<x104> = 1\nG21\nG0 X#<x104>\nM2", Some(Dialect::LinuxCnc)),
+            ("# square, 4 mm\nG21\nM4 S0\nG0 X1", Some(Dialect::Grbl)),
+            ("#HSC ON\nG21", Some(Dialect::Isg)),
+            ("$100=250\n$32=1", Some(Dialect::Grbl)),
+            ("G21\nG1 X1e-5 F100\nM2", Some(Dialect::LinuxCnc)),
+            ("G21\nG1 X1.5E-05 F100", Some(Dialect::Grbl)),
+            ("G21\nG1 X1E5 F100", None),
+            ("G21\nG1 X1 E-5 F100", None),
+        ] {
+            assert_eq!(dialect(text), wanted, "{text}");
+        }
+    }
+
+    #[test]
     fn words_that_others_have_too_do_not_hide_them() {
         for (text, wanted) in [
             ("N10G00G21G17G90G40G49G80\nN20G71G91.1\nM30", Some(Dialect::LinuxCnc)),
@@ -795,6 +847,7 @@ mod tests {
             ("G53 G0 Z0\nX1", "G53", 1),
             ("G90\nG61\nG1 X1 F5\nM30", "G61", 2),
             ("M98 P100\nM30\nO100 G1", "M98", 1),
+            ("G93\nG1 X1 F2", "G93", 1),
         ] {
             let Shown::Unclear(mark, meaning) = shown(text) else { panic!("{text}: {:?}", shown(text)) };
             assert_eq!((mark.word.as_str(), mark.line), (word, line), "{text}: {meaning}");

@@ -4,7 +4,7 @@
 //! After a refused line the program continues, so that the next mistake is found too. If a line cannot be
 //! decoded, its end point is unknown. Later refusals that depend on the position (arcs, software limits) are
 //! therefore left out, and their number is reported.
-use crate::diagnose::Diagnostic;
+use crate::diagnose::{Diagnostic, Source};
 use crate::files::Files;
 use crate::program;
 use glidepath::channel::Error;
@@ -73,7 +73,7 @@ impl Mistakes {
     /// The messages, in the order of the text.
     pub fn tell(self, files: &Files) -> Vec<Diagnostic> {
         let found = self.found.iter().map(|error| program::refusal(files, error)).collect();
-        let mut told = arrange(found, &files.main.name);
+        let mut told = arrange(found, &files.main);
         if self.most > 1 && self.found.len() >= self.most {
             let message = format!("the first {} mistakes are shown; --mistakes N shows more", self.most);
             told.push(Diagnostic::note(message));
@@ -107,11 +107,12 @@ const LEFT_OUT: usize = 10_000;
 
 /// Returns the refusals in the order of the text, the main program first. Lines of prose become one message
 /// each.
-fn arrange(mut found: Vec<Diagnostic>, main: &str) -> Vec<Diagnostic> {
+fn arrange(mut found: Vec<Diagnostic>, main: &Source) -> Vec<Diagnostic> {
     found.sort_by_key(|told| {
         let source = told.source().unwrap_or_default();
-        (source != main, source.to_owned(), told.place())
+        (source != main.name, source.to_owned(), told.place())
     });
+    let start = percent(&String::from_utf8_lossy(&main.text));
     let prose = |told: &Diagnostic| told.excerpt().is_some_and(is_prose);
     let mut told: Vec<Diagnostic> = Vec::new();
     for mut diagnostic in found {
@@ -120,13 +121,25 @@ fn arrange(mut found: Vec<Diagnostic>, main: &str) -> Vec<Diagnostic> {
             diagnostic.message = format!("this line is text, not NC: {word}");
             diagnostic = diagnostic.expected("expected words such as G01 X10 F600, or a comment in ( )");
         }
-        let (_, column) = diagnostic.place();
+        let (line, column) = diagnostic.place();
+        if start.is_some_and(|start| line < start) && diagnostic.source() == Some(&main.name) {
+            let word = std::mem::take(&mut diagnostic.message);
+            diagnostic.message = format!("text before %: {word}");
+            diagnostic = diagnostic.expected("expected % in the first line, or ( ) around the text");
+        }
         if diagnostic.excerpt().is_some_and(|line| ends_too_early(line, column)) {
             diagnostic = diagnostic.expected("expected no ( in a comment: a comment ends at its first )");
         }
         told.push(diagnostic);
     }
     told
+}
+
+/// The line of the first `%`, from 1, if words follow this line: the `%` that begins a program.
+fn percent(text: &str) -> Option<usize> {
+    let at = text.lines().position(|line| line.trim() == "%")?;
+    let code = |line: &str| !line.trim().is_empty() && !line.trim_start().starts_with(['(', ';', '%']);
+    text.lines().skip(at + 1).any(code).then_some(at + 1)
 }
 
 /// Whether a comment with another `(` in it has ended before the column: the text behind its first `)` counts.
@@ -178,6 +191,18 @@ mod tests {
             ("(a (b", 5, false),
         ] {
             assert_eq!(ends_too_early(line, column), early, "{line}");
+        }
+    }
+
+    #[test]
+    fn the_percent_that_begins_a_program_is_found() {
+        for (text, line) in [
+            ("name.nc\n%\nG21\nM30\n%\n", Some(2)),
+            ("%\nG21\nM30\n%\n", Some(1)),
+            ("G21\nM30\n%\n\n(end)\n", None),
+            ("G21\nM30\n", None),
+        ] {
+            assert_eq!(percent(text), line, "{text}");
         }
     }
 

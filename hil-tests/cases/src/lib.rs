@@ -73,6 +73,13 @@ pub const CASES_3: &[Case] = cases!(
     "splines"
 );
 
+/// The program `plain` without its name, which other dialects do not have: the same lines for each dialect.
+pub const PLAIN: &[u8] =
+    match include_bytes!("../../../programs/plain.nc").split_at_checked(b"%plain\n".len()) {
+        Some((_, lines)) => lines,
+        None => &[],
+    };
+
 /// Programs for [`AXES_4`].
 pub const CASES_4: &[Case] = cases!("rotary", "rotary_corners");
 

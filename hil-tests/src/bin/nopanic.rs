@@ -71,7 +71,12 @@ fn operate(operator: &Operator<'static, 3>) {
 // Calls of their own: how deep the stack gets below each of them is read from the machine code.
 #[inline(never)]
 fn start(channel: &'static mut Channel<3, BLOCKS>, program: &'static [u8]) -> Split {
-    channel.split(&AXES_3, [Position::ZERO; 3], program)
+    // With more than one dialect, the compiler must not know that of this machine.
+    #[cfg(feature = "grbl")]
+    let machine = core::hint::black_box(&AXES_3);
+    #[cfg(not(feature = "grbl"))]
+    let machine = &AXES_3;
+    channel.split(machine, [Position::ZERO; 3], program)
 }
 
 #[inline(never)]

@@ -349,6 +349,26 @@ fn random_programs_do_what_an_own_interpreter_says() {
     }
 }
 
+/// M00, M01 and block skip of ISG's language: switches of the machine data decide about M01 and `/`.
+#[test]
+fn programs_of_isg_pause_and_leave_blocks_out() {
+    const TEXT: &[u8] = b"N10 G00 X1\n/N20 X2\n/ N30 X3\nN40 G01 X4 F100 M00\nN50 M01\nN60 X5\nM30\n";
+    let events = |switch: bool| {
+        let mut setup = setup(Dialect::Isg);
+        (setup.foreign.block_delete, setup.foreign.optional_stop) = (switch, switch);
+        let (commands, _, error, _) = decode_text(setup, TEXT, 1000);
+        assert_eq!(error, None);
+        let of = |command: &Command<3>| match command {
+            Command::Motion(motion) => Some(mm(motion.target[0]) as i32),
+            Command::Pause(_, code) => Some(-1 - i32::from(*code)),
+            _ => None,
+        };
+        commands.iter().filter_map(of).collect::<Vec<_>>()
+    };
+    assert_eq!(events(false), [1, 2, 3, 4, -1, 5]);
+    assert_eq!(events(true), [1, 4, -1, -2, 5]);
+}
+
 #[test]
 fn what_is_not_built_or_wrong_is_refused_by_name() {
     for (dialect, text, named) in REFUSED {
@@ -530,7 +550,7 @@ fn doubtful_words_are_told() {
     assert_eq!(linuxcnc("G0 X1"), [K::NoProgramEnd]);
     assert_eq!(told(Dialect::Grbl, "G0 X1"), []);
     assert_eq!(told(Dialect::Grbl, "/G0 X1"), [K::BlockSkip]);
-    assert_eq!(linuxcnc("(DEBUG, #1)\n(logopen, x)\nM2"), [K::ActiveComment, K::ActiveComment]);
+    assert_eq!(linuxcnc("(DEBUG, #1)\n(print, #1)\n(logopen, x)\nM2"), [K::ActiveComment]);
     assert_eq!(linuxcnc("G0 X1 (open\nM2"), [K::UnclosedComment]);
     let mut bare = setup(Dialect::LinuxCnc);
     bare.foreign.tools = ToolLengths::NONE;

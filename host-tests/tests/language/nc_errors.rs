@@ -95,7 +95,7 @@ const TABLE: &[(&str, u32, u32, u16, &str)] = &[
     ("\"MACRO\"", 1, 1, 7, "macro \"\"MACRO\"\" is known, not available in this version"),
     ("P1=\"A\"", 1, 4, 3, "macro \"\"A\"\" is known, not available in this version"),
     ("P5[2]=1", 1, 1, 2, "array of P parameters \"P5\" is known, not available in this version"),
-    ("/N10 X1", 1, 1, 1, "block skip \"/\" is known, not available in this version"),
+    ("/2 X1", 1, 1, 1, "block skip \"/\" is known, not available in this version"),
     ("L sub.nc", 1, 3, 6, "no file \"sub.nc\" to call: expected the name of a program file"),
     ("L \"my sub\"", 1, 4, 6, "no file \"my sub\" to call: expected the name of a program file"),
     ("L", 1, 2, 0, "end of line: expected a blank and a file name after L"),

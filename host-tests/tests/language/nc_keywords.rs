@@ -159,8 +159,6 @@ fn what_is_not_available_is_refused_where_it_stands() {
         "G194",
         "E100",
         "G04 S5",
-        "M00",
-        "M01",
         "#CS ON[1,2,3,0,0,0]",
         "#MCS ON",
         "#CYL [Z,C,100]",

@@ -288,6 +288,10 @@ impl<const AXES: usize> Interpreter<AXES> {
                     }
                     let function = FUNCTIONS.iter().find(|(name, _)| word.is(name));
                     let Some((_, function)) = function else {
+                        if c.peek() != b'[' {
+                            c.back_to(mark);
+                            return c.expected("a number");
+                        }
                         return c.since(mark).fault(NcErrorKind::UnknownFunction);
                     };
                     if c.peek() != b'[' {

@@ -4,31 +4,14 @@ use super::block::Block;
 use super::words::{Meaning, group};
 use crate::machine::AxisKind;
 use crate::nc::block::Given;
+#[cfg(feature = "fanuc")]
+use crate::nc::cursor::Cursor;
 use crate::nc::interpreter::Interpreter;
 use crate::nc::line::Line;
 use crate::nc::number::Number;
+#[cfg(feature = "fanuc")]
+use crate::nc::number::Plain;
 use crate::nc::{Fault, NcErrorKind, NcWarningKind, Span};
-
-/// Whether every number of a line, except 0, has a decimal point; numbers of G, M and N are not checked.
-/// Other lines take the slow path of the decoder.
-pub(super) fn has_points(bytes: &[u8]) -> bool {
-    let (mut counts, mut digits, mut point) = (false, false, false);
-    for byte in bytes.iter().chain(b" ") {
-        match byte {
-            b'.' => point = true,
-            b'0' | b'+' | b'-' => {}
-            b'1'..=b'9' => digits = true,
-            _ => {
-                if counts && digits && !point {
-                    return false;
-                }
-                counts = !matches!(byte.to_ascii_uppercase(), b'G' | b'M' | b'N');
-                (digits, point) = (false, false);
-            }
-        }
-    }
-    true
-}
 
 /// Moves the decimal point `places` digits to the left.
 fn shift(given: &mut Given, places: u8) -> bool {
@@ -42,6 +25,15 @@ fn shift(given: &mut Given, places: u8) -> bool {
 }
 
 impl<const AXES: usize> Interpreter<AXES> {
+    /// Whether a plain number before the cursor counts in the least increment: it is not 0, and has no decimal
+    /// point. Blocks with such numbers take the slow path of the decoder.
+    #[cfg(feature = "fanuc")]
+    #[inline(always)]
+    pub fn counts_increments(&self, c: &Cursor<'_>, number: &Plain) -> bool {
+        let is_whole = number.scale == 0 && number.mantissa != 0;
+        is_whole && self.setup.foreign.dialect().is_fanuc() && !c.is_behind_point()
+    }
+
     /// Converts numbers without a decimal point: lengths count in 0.001 mm or 0.0001 inch, angles in 0.001
     /// degrees. `inch`: unit of the block.
     pub(super) fn least_increments(&mut self, block: &mut Block<AXES>, inch: bool, line: &Line) {

@@ -185,9 +185,10 @@ impl<const AXES: usize> State<AXES> {
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Note {
-    /// `(MSG, text)`: a message. The numbers start at 1, so that all bytes are zero if there is no comment.
+    /// `(MSG, text)`, `(DEBUG, …)` and `(PRINT, …)`: a message. The numbers start at 1, so that all bytes are
+    /// zero if there is no comment.
     Message = 1,
-    /// `(DEBUG, …)`, `(PRINT, …)`, `(LOG…, …)`, `(PROBE…)`.
+    /// `(LOG…, …)`, `(PROBE…)`.
     Other,
     /// `(ABORT, …)`.
     Abort,
@@ -257,12 +258,8 @@ impl<const AXES: usize> Interpreter<AXES> {
     }
 
     /// Whether a plain line means the same in the current dialect.
-    pub fn takes_plain(&self, line: &Line) -> bool {
-        self.is_isg()
-            || self.foreign.plain
-                && self.foreign.note.is_none()
-                && !self.foreign.calls.skips()
-                && (!self.setup.foreign.dialect().is_fanuc() || fanuc::has_points(line.bytes()))
+    pub fn takes_plain(&self) -> bool {
+        self.is_isg() || self.foreign.plain && self.foreign.note.is_none() && !self.foreign.calls.skips()
     }
 
     /// Sets the state at the start of a channel.

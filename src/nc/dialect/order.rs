@@ -112,8 +112,7 @@ impl<const AXES: usize> Interpreter<AXES> {
             }
             Some((Note::Other, place)) => self.warn_at(place, NcWarningKind::ActiveComment),
             Some((Note::Abort, place)) => {
-                let kind = NcErrorKind::Known { what: "ABORT", hint: "a program without it" };
-                return Err(Refusal::At(place, kind));
+                return Err(Refusal::At(place, NcErrorKind::Aborted));
             }
         }
         Ok(())

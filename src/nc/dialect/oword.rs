@@ -548,7 +548,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         let Some(frame) = self.foreign.calls.frames.last().copied() else {
             return head.span.fault(NcErrorKind::Unopened { opening: "sub" });
         };
-        if frame.label != head.label || frame.again.is_some() {
+        // `return` may have any label, as in LinuxCNC.
+        let is_other = frame.label != head.label && head.key != "RETURN";
+        if is_other || frame.again.is_some() {
             return head.span.fault(NcErrorKind::Unopened { opening: "sub" });
         }
         (self.foreign.calls.value, self.foreign.calls.returned) = (value.unwrap_or(0.0), value.is_some());

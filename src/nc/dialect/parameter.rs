@@ -8,6 +8,9 @@ use crate::nc::{Fault, NcErrorKind, Plane, real};
 use crate::quantity::Position;
 use heapless::Vec;
 
+/// The parameter that hides `(DEBUG, …)`: 0 hides the comments. The program may write this parameter.
+const DEBUG_SHOWN: u32 = 5599;
+
 /// Number of arguments of a call, `#1`…`#30`.
 pub(super) const ARGUMENTS: usize = 30;
 
@@ -88,7 +91,7 @@ impl<const AXES: usize> Interpreter<AXES> {
         }
         let value = self.evaluate(c)?;
         match number_of(value) {
-            Some(number) if number < 5000 => Ok(number),
+            Some(number) if number < 5000 || number == DEBUG_SHOWN => Ok(number),
             Some(_) => c.since(mark).fault(READ_ONLY),
             None => c.since(mark).fault(NcErrorKind::ParameterIndex),
         }
@@ -110,6 +113,9 @@ impl<const AXES: usize> Interpreter<AXES> {
         if let Some(local) = (number as usize).checked_sub(1).and_then(|k| self.foreign.calls.locals.get(k)) {
             return Ok(*local);
         }
+        if number == DEBUG_SHOWN {
+            return Ok(self.calculator.parameters.get(number).unwrap_or(1.0));
+        }
         if number >= 5000 {
             return self.state_numbered(number).ok_or(NcErrorKind::Known {
                 what: "this parameter",
@@ -123,6 +129,17 @@ impl<const AXES: usize> Interpreter<AXES> {
     pub(super) fn named(&self, name: Name) -> Option<f64> {
         let index = name.index(self.foreign.calls.level());
         self.state_named(&name).or_else(|| self.calculator.parameters.get(index).ok())
+    }
+
+    /// The value of a parameter as a comment names it, without `#`: `100`, or `<name>`.
+    #[cfg(feature = "dialects")]
+    pub(in crate::nc) fn parameter(&self, text: &[u8]) -> Option<f64> {
+        let Some(rest) = text.strip_prefix(b"<") else {
+            let number = core::str::from_utf8(text).ok()?.parse::<u32>().ok()?;
+            return self.numbered(f64::from(number)).ok();
+        };
+        let letters = rest.strip_suffix(b">")?.iter().filter(|byte| !matches!(byte, b' ' | b'\t'));
+        self.named(Name { letters: letters.map(u8::to_ascii_uppercase).collect() })
     }
 
     /// Parameters from 5000 on, which report the state. Lengths are in the unit in force.
@@ -200,6 +217,8 @@ impl<const AXES: usize> Interpreter<AXES> {
             b"_VALUE_RETURNED" => truth(self.foreign.calls.returned),
             b"_CURRENT_TOOL" | b"_CURRENT_POCKET" => Some(f64::from(now.tool.loaded)),
             b"_SELECTED_TOOL" | b"_SELECTED_POCKET" => Some(f64::from(now.tool.selected)),
+            b"_TASK" => Some(1.0),
+            b"_REMAP_LEVEL" => Some(0.0),
             b"_VMAJOR" => Some(2.9),
             b"_VMINOR" => Some(0.0),
             [b'_', letter] if AXES_IN_ORDER.contains(letter) => self.place_along(*letter),

@@ -61,9 +61,9 @@ impl ForeignComments {
         let long = usize::from(self.count) > LETTERS;
         let word = self.letters.get(..usize::from(self.count).min(LETTERS))?;
         match word {
-            b"MSG" => Some(Note::Message),
+            b"MSG" | b"DEBUG" | b"PRINT" => Some(Note::Message),
             b"ABORT" => Some(Note::Abort),
-            b"DEBUG" | b"PRINT" | b"LOG" => Some(Note::Other),
+            b"LOG" => Some(Note::Other),
             // LOGOPEN, LOGAPPEND, PROBEOPEN.
             b"LOGOPE" | b"LOGAPP" | b"PROBEO" if long => Some(Note::Other),
             _ => None,

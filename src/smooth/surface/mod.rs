@@ -602,7 +602,7 @@ impl<const AXES: usize> Surface<AXES> {
         self.window.narrow(first.unwrap_or(from.vertex), last, NARROWER);
     }
 
-    /// Makes a straight line to the next programmed vertex, which stays a corner of the path.
+    /// Makes a straight line to the next programmed vertex, where the motion stops.
     #[cold]
     #[inline(never)]
     fn give_up(&mut self) {

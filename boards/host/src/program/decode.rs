@@ -40,7 +40,7 @@ fn decode_axes<const AXES: usize>(
         decoder.begin_with(smooth.command());
     }
     let sets = machine.kinematics.fitted(&data);
-    let mut reading = Reading::new(files, machine, &data, &sets);
+    let mut reading = Reading::new(machine, &data, &sets);
     let mut warned = Warned::default();
     let mut repeats = Repeats::default();
     let mut refusals = 0;
@@ -71,6 +71,10 @@ fn decode_axes<const AXES: usize>(
                 if repeats.add(command.place()) > limit {
                     return Err(vec![endless(files, command.place(), limit)]);
                 }
+                if let Command::Message(head) = &command {
+                    let told = message(files, head, |name| decoder.parameter(name));
+                    reading.program.messages.extend(told);
+                }
                 if let Some(stands) = reading.take(&command) {
                     decoder.stand_at(stands);
                 }
@@ -82,7 +86,6 @@ fn decode_axes<const AXES: usize>(
 
 /// The program so far, and the modal state for the next block.
 pub(super) struct Reading<'a, const AXES: usize> {
-    files: &'a Files,
     machine: &'a Machine,
     data: &'a MachineData<AXES>,
     main: [Option<usize>; 3],
@@ -100,15 +103,9 @@ pub(super) struct Reading<'a, const AXES: usize> {
 
 impl<'a, const AXES: usize> Reading<'a, AXES> {
     /// No command yet; all axes are at zero.
-    pub(super) fn new(
-        files: &'a Files,
-        machine: &'a Machine,
-        data: &'a MachineData<AXES>,
-        sets: &'a [Kinematic],
-    ) -> Self {
+    pub(super) fn new(machine: &'a Machine, data: &'a MachineData<AXES>, sets: &'a [Kinematic]) -> Self {
         Self {
             switch: Switch { sets, selected: machine.kinematics.default_id, active: None },
-            files,
             machine,
             data,
             main: data.main_axes(),
@@ -160,7 +157,6 @@ impl<const AXES: usize> Reading<'_, AXES> {
                 });
             }
             Command::FlushWait(_) | Command::Pause(..) | Command::WaitInput(..) => program.stop(),
-            Command::Message(head) => program.messages.push(message(self.files, head)),
             Command::Kinematics(head, kinematics) => {
                 let (Some(id), Some(to)) = self.switch.take(*kinematics, &self.at) else { return None };
                 self.at = to;

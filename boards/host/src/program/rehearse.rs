@@ -6,7 +6,7 @@
 use super::Program;
 use super::decode::Reading;
 use super::repeats::Repeats;
-use super::told::{Warned, endless, place, refusal, remark};
+use super::told::{Warned, endless, message, place, refusal, remark};
 use crate::acknowledge::{Automatic, Delay};
 use crate::diagnose::Diagnostic;
 use crate::events::{Schedule, Script};
@@ -65,7 +65,7 @@ fn rehearse_axes<const AXES: usize>(
     handles.planner.watch();
     let cycle_us = machine.channel.cycle_us;
     let stage = Stage {
-        reading: Reading::new(files, machine, &data, &kinematics),
+        reading: Reading::new(machine, &data, &kinematics),
         files,
         outside,
         writer: Writer::new(outside, around.plc, cycle_us),
@@ -166,6 +166,10 @@ impl<const AXES: usize> Stage<'_, AXES> {
             let progress = planner.poll();
             self.writer.behind();
             if let Some(command) = planner.seen() {
+                if let Command::Message(head) = &command {
+                    let told = message(self.files, head, |name| planner.parameter(name));
+                    self.reading.program.messages.extend(told);
+                }
                 self.take(&command)?;
             }
             match progress {

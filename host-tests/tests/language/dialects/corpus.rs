@@ -630,6 +630,16 @@ pub const CORPUS: &[Sample] = &[
         "%\n(AXIS,stop)\n(T1 D=6. CR=0. TAPER=118deg - ZMIN=-12.3 - drill)\nN10 G90 G94 G17 G91.1\nN11 G21\nN12 G53 G0 Z0.\nN15 T1 M6\nN16 S3000 M3\nN17 G54\nN18 M8\nN19 G0 X10. Y10.\nN20 G43 Z15. H1\nN21 G0 Z5.\nN22 G98 G83 X10. Y10. Z-12.3 R5. Q2. F100.\nN23 X20.\nN24 G80\nN25 G98 G73 X30. Y10. Z-12.3 R5. Q2. F100.\nN26 G80\nN27 G98 G82 X40. Y10. Z-2. R5. P0.5 F100.\nN28 G80\nN29 G0 Z15.\nN30 M9\nN31 M5\nN32 G53 G0 Z0.\nN33 G53 G0 X0. Y0.\nN34 M30\n%\n",
     ),
     (
+        "shown_while_it_runs",
+        "linuxcnc",
+        "G21 G17 G90\nG64 P0.05 (as LinuxCNC has it)\n\nG54\n(DEBUG,look at G54)\nM0 (go on)\nG4 P1\n( print , second )\nG0 X1 Y2\nM2\n",
+    ),
+    (
+        "remark_lines_of_names",
+        "linuxcnc",
+        "(fusion 360 for personal use: rapids are slow)\nG90 G94\nG17\nG21\nT1\nS5000 M3\nG54\nG0 X-0.7 Y-0.7\nZ10\nG1 Z5 F1000\nZ2 F333.3\nZ-1\nY20 F1000\nX20.7\nZ10\nM5\nM30\n",
+    ),
+    (
         "jtech_laser_now",
         "grbl",
         "G90\nG21\nG1 F3000\nG1  X10.1 Y20.1\nG4 P0 \nM03 S1000\nG4 P0\nG1 F1000.000000\nG1  X15. Y20.1\nG1  X15. Y25.\nG3 X12.1 Y25. I-1.45 J0.\nG4 P0 \nM05 S0\nG1 F3000\nG1 X0 Y0\n",
@@ -683,6 +693,11 @@ pub const REFUSED: &[Sample] = &[
     ("linuxcnc", "M61", "M61"),
     ("linuxcnc", "O<loop> while [#1 LT 5]", "O"),
     ("linuxcnc", "(ABORT, no)", "ABORT"),
+    ("linuxcnc", "G1 X1e-5 F100", "e-5"),
+    ("grbl", "G1 X1.5E-05 F100", "E-05"),
+    ("linuxcnc", "some.nc", "ome.nc"),
+    ("linuxcnc", "o1 sub\no1 endsub\no2 return", "o2"),
+    ("linuxcnc", "#<_task>=1", "#<_task>"),
     ("linuxcnc", "G77 X1", "G77"),
     ("linuxcnc", "M17", "M17"),
     ("linuxcnc", "G1 X1", "G1"),

@@ -213,7 +213,7 @@ impl Machine {
             let end = rest[at..].find(')').map_or(rest.len(), |end| at + end);
             let comment = &rest[at + 1..end];
             if let Some((head, text)) = comment.split_once(',')
-                && head.trim().eq_ignore_ascii_case("msg")
+                && ["msg", "debug", "print"].iter().any(|shown| head.trim().eq_ignore_ascii_case(shown))
                 && end < rest.len()
             {
                 note = Some(text.trim().to_owned());

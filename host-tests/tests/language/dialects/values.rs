@@ -49,6 +49,12 @@ pub const VALUES: &[(&str, &str)] = &[
         "o1 sub\no2 if [#1 GT 1]\no1 return [#1*2]\no2 endif\nG0 X1\no1 endsub\no1 call [5]\nG0 X#<_value> Y#<_value_returned>\no1 call [0]\nG0 Y#<_value_returned>",
         "G0 X10 Y1\nX1\nY0",
     ),
+    // A label beside `return` need not be that of the subroutine.
+    (
+        "o1 sub\no2 if [#1 GT 1]\no2 return [7]\no2 endif\nG0 X1\no1 endsub\no1 call [5]\nG0 Y#<_value>\no1 call [0]",
+        "G0 Y7\nX1",
+    ),
+    ("G0 X#5599\n#5599=0\nY#5599 Z#<_task>", "G0 X1\nY0 Z1"),
     (
         "o1 sub\n#<i>=#1\nG0 X#<i>\no1 endsub\no2 sub\no1 call [#1+1]\no1 call [#1+2]\no2 endsub\no2 call [3]\no2 call [6]",
         "G0 X4\nX5\nX7\nX8",
