@@ -445,8 +445,7 @@ impl<const AXES: usize, const BLOCKS: usize> Planning<'_, AXES, BLOCKS> {
                     }
                     let behind = start.wrapping_add(length);
                     let is_last = behind.wrapping_sub(end) >= 0;
-                    // The derivatives of two polynomials have different signs, so each polynomial counts
-                    // alone. STEP and knees do not use the signs.
+                    // Signs differ between two polynomials, so each counts alone. STEP and knees use none.
                     if is_last || !(is_one || track.segment.is_line() || track.segment.is_arc()) {
                         self.orders.search.spend_up_to(most, part_costs(AXES))?;
                         self.dynamics.stopping(&mut swings, &passed, braking)?;
