@@ -90,11 +90,11 @@ fn the_axes_stand_at_the_limit_to_a_cycle() {
                 if stood.is_none() && now.state == LimitState::Standing(0, side) {
                     stood = Some((now.tick, now.at[0]));
                 }
-                if let Some((tick, at)) = stood {
-                    if now.tick == tick + 100 {
-                        assert_eq!(now.at[0].to_bits(), at.to_bits(), "slope {slope}: it stands");
-                        limits.set(0, side, None);
-                    }
+                if let Some((tick, at)) = stood
+                    && now.tick == tick + 100
+                {
+                    assert_eq!(now.at[0].to_bits(), at.to_bits(), "slope {slope}: it stands");
+                    limits.set(0, side, None);
                 }
             });
             let (tick, at) = stood.unwrap_or_else(|| panic!("slope {slope} {side:?}: {ended:?} {told:?}"));
