@@ -16,3 +16,5 @@ pub use stack::{depth, paint};
 
 #[cfg(copies)]
 use glidepath_copy as _;
+#[cfg(soft)]
+use glidepath_softfloat as _;
