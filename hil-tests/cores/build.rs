@@ -9,7 +9,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     fs::copy(root.join(&map), Path::new(&out).join("memory.x"))?;
     println!("cargo:rustc-link-search={out}");
     let target = env::var("TARGET")?;
-    if target.starts_with("thumbv") && !target.starts_with("thumbv6m") {
+    if target.starts_with("thumbv") {
         println!("cargo:rustc-cfg=copies");
     }
     if !target.ends_with("eabihf") {
@@ -17,5 +17,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     println!("cargo:rerun-if-changed={}", root.join(&map).display());
     println!("cargo:rerun-if-env-changed=HIL_MEMORY_X");
+    println!("cargo:rerun-if-env-changed=HIL_FLOATS");
     Ok(())
 }

@@ -25,6 +25,9 @@ const PAGE: &str = "docs/cores.md";
 const BEGIN: &str = "<!-- begin of figures: `cargo xtask cores --accept` -->\n";
 const END: &str = "<!-- end of figures -->\n";
 
+/// Begin of the line about floating point, on a core without instructions for it.
+const FLOATS: &str = "floats ";
+
 /// Ticks per second: the cycle of the machines.
 const TICKS: u64 = 1000;
 
@@ -257,6 +260,7 @@ fn measure(
     let Some(report) = run(firmware, core, build)? else { return Ok(figures) };
     let runs = counted(&report, core.machine(build).counts)?;
     compare(core, &runs, expected)?;
+    compare_floats(core, &report)?;
     let prefix = format!("core.{}.{}", core.key, build.key());
     add(&mut figures, &prefix, &runs, build)?;
     let values = report.lines().find_map(|line| line.strip_prefix("memory ")).map(target::fields);
@@ -288,6 +292,21 @@ fn compare(core: &Core, runs: &[TargetRun], expected: &Expected) -> Result<(), S
         }
         eprintln!("   {:<16} {:>7} ticks  {:016x}  as on the host", run.name, run.ticks, run.digest);
     }
+    Ok(())
+}
+
+/// Whether the functions for floating point of a core without its instructions give the bits of the PC.
+fn compare_floats(core: &Core, report: &str) -> Result<(), String> {
+    if core.target.ends_with("eabihf") {
+        return Ok(());
+    }
+    let line = report.lines().find_map(|line| line.strip_prefix(FLOATS)).ok_or("floats were not tried")?;
+    let pairs = target::number(&target::fields(line), "pairs", line)?;
+    let digest = glidepath_softfloat::trial::digest(1, pairs.try_into().map_err(|_| line)?);
+    if line != format!("pairs {pairs} digest {digest:016x} copies right") {
+        return Err(format!("floating point on {}: {line}; host: {digest:016x}", core.name));
+    }
+    eprintln!("   {pairs} pairs of numbers: floating point as on the host");
     Ok(())
 }
 
@@ -363,7 +382,7 @@ fn counted(report: &str, [counts, instructions]: [u64; 2]) -> Result<Vec<TargetR
     {
         return Err(format!("{number} instructions were counted as {}", instructions(*counted)));
     }
-    let text: Vec<&str> = lines(false).collect();
+    let text: Vec<&str> = lines(false).filter(|line| !line.starts_with(FLOATS)).collect();
     let mut runs = target::read_runs(&text.join("\n"))?;
     let convert = |cost: &mut Cost| (cost.sum, cost.max) = (instructions(cost.sum), instructions(cost.max));
     for run in &mut runs {

@@ -20,7 +20,6 @@ macro_rules! export {
 }
 
 export! {
-    __aeabi_fdiv __divsf3(a: u32, b: u32) -> u32 { div(a, b) }
     __aeabi_ul2f __floatundisf(x: u64) -> u32 { from_u64(x) }
     __aeabi_l2f __floatdisf(x: i64) -> u32 { from_i64(x) }
     __aeabi_f2uiz __fixunssfsi(x: u32) -> u32 { to_u32(x) }
@@ -34,6 +33,7 @@ export! {
     __aeabi_fadd __addsf3(a: u32, b: u32) -> u32 { add(a, b) }
     __aeabi_fsub __subsf3(a: u32, b: u32) -> u32 { sub(a, b) }
     __aeabi_fmul __mulsf3(a: u32, b: u32) -> u32 { mul(a, b) }
+    __aeabi_fdiv __divsf3(a: u32, b: u32) -> u32 { div(a, b) }
     __aeabi_ui2f __floatunsisf(x: u32) -> u32 { from_u32(x) }
     __aeabi_i2f __floatsisf(x: i32) -> u32 { from_i32(x) }
 }

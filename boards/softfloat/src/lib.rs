@@ -6,6 +6,7 @@
 mod compare;
 mod convert;
 mod single;
+pub mod trial;
 mod wide;
 
 pub use compare::{equal, less, less_or_equal, unordered};

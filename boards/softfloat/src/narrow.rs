@@ -3,7 +3,7 @@
 //! A mantissa stands with its first bit in bit 31 here. A sum, a product or an integer is shifted to its place
 //! in the result; the last bit that falls out is the carry, and `adcs` rounds by it. That rounds ties up, so
 //! the end of each function clears the last bit of a tie.
-use crate::single::{add, beyond, lift, mul};
+use crate::single::{RECIPROCALS, add, beyond, div, lift, mul};
 use core::arch::naked_asm;
 
 extern "C" fn any_sum(a: u32, b: u32) -> u32 {
@@ -12,6 +12,10 @@ extern "C" fn any_sum(a: u32, b: u32) -> u32 {
 
 extern "C" fn any_product(a: u32, b: u32) -> u32 {
     mul(a, b)
+}
+
+extern "C" fn any_quotient(a: u32, b: u32) -> u32 {
+    div(a, b)
 }
 
 extern "C" fn out_of_range(sign: u32, exponent: i32, mantissa: u32) -> u32 {
@@ -288,6 +292,120 @@ extern "C" fn __aeabi_fmul() {
         "pop {{r3, pc}}",
         any = sym any_product,
         beyond = sym out_of_range,
+    )
+}
+
+/// a / b: 69 to 73 instructions. The digits are those of `single::div`. A quotient is never a tie, so no bit
+/// says whether something is left.
+#[unsafe(naked)]
+#[unsafe(no_mangle)]
+extern "C" fn __aeabi_fdiv() {
+    naked_asm!(
+        "lsls r2, r0, #1",
+        "lsrs r2, r2, #24",
+        "beq 9f",
+        "cmp r2, #255",
+        "beq 9f",
+        "lsls r3, r1, #1",
+        "lsrs r3, r3, #24",
+        "beq 9f",
+        "cmp r3, #255",
+        "beq 9f",
+        "subs r2, r2, r3",
+        "push {{r4, r5, r6, r7}}",
+        // r3: the sign.
+        "movs r3, r0",
+        "eors r3, r1",
+        "lsrs r3, r3, #31",
+        // Mantissas of 24 bits.
+        "movs r4, #128",
+        "lsls r4, r4, #16",
+        "lsls r0, r0, #9",
+        "lsrs r0, r0, #9",
+        "orrs r0, r4",
+        "lsls r1, r1, #9",
+        "lsrs r1, r1, #9",
+        "orrs r1, r4",
+        // r4: the reciprocal of the divisor.
+        "lsrs r4, r1, #16",
+        "ldr r5, 10f",
+        "ldrb r4, [r5, r4]",
+        "adds r4, #255",
+        "adds r4, #1",
+        "movs r5, r4",
+        "muls r5, r1, r5",
+        "rsbs r5, r5, #0",
+        "asrs r5, r5, #8",
+        "muls r5, r4, r5",
+        "asrs r5, r5, #16",
+        "lsls r4, r4, #8",
+        "adds r4, r4, r5",
+        // r5 and r6: the digits.
+        "lsrs r5, r0, #9",
+        "muls r5, r4, r5",
+        "lsrs r5, r5, #18",
+        "movs r6, r5",
+        "muls r6, r1, r6",
+        "lsls r0, r0, #13",
+        "subs r0, r0, r6",
+        "lsrs r6, r0, #11",
+        "muls r6, r4, r6",
+        "lsrs r6, r6, #17",
+        "movs r7, r6",
+        "muls r7, r1, r7",
+        "lsls r0, r0, #12",
+        "subs r0, r0, r7",
+        "lsls r5, r5, #12",
+        "adds r5, r5, r6",
+        "cmp r0, r1",
+        "bhs 3f",
+        "1:",
+        "lsls r5, r5, #6",
+        "bmi 2f",
+        "lsls r5, r5, #1",
+        "subs r2, #1",
+        "2:",
+        "adds r2, #126",
+        "cmp r2, #253",
+        "bhi 4f",
+        "lsls r3, r3, #8",
+        "adds r3, r3, r2",
+        "lsls r3, r3, #23",
+        "lsrs r0, r5, #8",
+        "adcs r0, r3",
+        "pop {{r4, r5, r6, r7}}",
+        "bx lr",
+        "3:",
+        "adds r5, #1",
+        "subs r0, r0, r1",
+        "cmp r0, r1",
+        "bhs 3b",
+        "b 1b",
+        // The exponent is too small or too large. The quotient has 26 bits at most, so bit 0 is free.
+        "4:",
+        "adds r1, r2, #1",
+        "lsrs r2, r5, #1",
+        "cmp r0, #0",
+        "beq 5f",
+        "movs r6, #1",
+        "orrs r2, r6",
+        "5:",
+        "lsls r0, r3, #31",
+        "pop {{r4, r5, r6, r7}}",
+        "push {{r3, lr}}",
+        "bl {beyond}",
+        "pop {{r3, pc}}",
+        "9:",
+        "push {{r3, lr}}",
+        "bl {any}",
+        "pop {{r3, pc}}",
+        ".p2align 2",
+        // The index has its first bit set.
+        "10:",
+        ".word {table} - 128",
+        any = sym any_quotient,
+        beyond = sym out_of_range,
+        table = sym RECIPROCALS,
     )
 }
 

@@ -225,7 +225,7 @@ fn mul_special(a: u32, b: u32) -> u32 {
 }
 
 /// 2^8/x − 2^8 for x = (128.5 + n)/256, rounded: a reciprocal with an error below 2^-7.5.
-static RECIPROCALS: [u8; 128] = {
+pub(crate) static RECIPROCALS: [u8; 128] = {
     let mut table = [0; 128];
     let mut n = 0;
     while n < 128 {

@@ -2,6 +2,7 @@
 //!
 //! The long form tries 10^8 pairs: `cargo test --release -p glidepath-softfloat -- --ignored`.
 use glidepath_softfloat as soft;
+use soft::trial::Random;
 
 /// Numbers at the borders: zeros, subnormal and normal numbers, infinities, NaNs, and each exponent with a few
 /// mantissas.
@@ -15,32 +16,6 @@ fn edges() -> Vec<u32> {
     let negative: Vec<u32> = found.iter().map(|x| x | 1 << 31).collect();
     found.extend(negative);
     found
-}
-
-/// A generator of numbers (xorshift).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
-    }
-
-    /// A pair: any bits, near exponents, close together, or with few bits.
-    fn pair(&mut self) -> (u32, u32) {
-        let (kind, bits) = (self.next() >> 61, self.next());
-        let (a, b) = ((bits >> 32) as u32, bits as u32);
-        match kind {
-            0 | 1 => (a, b),
-            2 | 3 => (a, (a & 0x7f80_0000).wrapping_add(((b >> 23) % 29) << 23) ^ (b & 0x807f_ffff)),
-            4 => (a, a.wrapping_add(b & 7).wrapping_sub(3) ^ (b & 1 << 31)),
-            5 => (a & 0xffff_0000, b & 0xffff_f000),
-            6 => (a & 0x80ff_ffff, b),
-            _ => ((a & 0x80ff_ffff) | 63 << 24, (b & 0x80ff_ffff) | 63 << 24),
-        }
-    }
 }
 
 /// Whether the results are the same number, or both NaN.
@@ -88,11 +63,11 @@ fn try_conversions(bits: u64) {
 }
 
 fn random(seed: u64, pairs: u64) {
-    let mut numbers = Random(seed);
+    let mut numbers = Random::new(seed);
     for _ in 0..pairs {
         let (a, b) = numbers.pair();
         try_pair(a, b);
-        try_conversions(numbers.next());
+        try_conversions(numbers.bits());
     }
 }
 
@@ -130,4 +105,9 @@ fn all_divisors_divide_as_on_the_host() {
             assert_eq!(soft::div(number, divisor), (a / b).to_bits(), "{a} / {b}");
         }
     }
+}
+
+#[test]
+fn copies_are_right() {
+    assert!(soft::trial::copies());
 }
