@@ -87,11 +87,7 @@ mod riscv {
     /// Negative, 0 or positive for a less than, equal to or greater than b; `nan` with a NaN.
     #[inline(always)]
     fn compare(a: u32, b: u32, nan: i32) -> i32 {
-        if unordered(a, b) {
-            nan
-        } else {
-            i32::from(less(b, a)) - i32::from(less(a, b))
-        }
+        if unordered(a, b) { nan } else { i32::from(less(b, a)) - i32::from(less(a, b)) }
     }
 
     #[unsafe(no_mangle)]

@@ -1,6 +1,6 @@
 //! Floating point for cores that have no instructions for it: the bits of the compiler's functions, in fewer
 //! instructions.
-#![doc = include_str!("../README.md")]
+
 #![no_std]
 
 mod compare;

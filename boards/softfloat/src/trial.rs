@@ -68,7 +68,8 @@ pub fn digest(seed: u64, pairs: u32) -> u64 {
         }
         digest = take_bits(digest, x as u64 ^ (x as i64 as u64).rotate_left(11));
         digest = take_bits(digest, u64::from(y as u32) ^ u64::from(y as i32 as u32).rotate_left(32));
-        digest = take_bits(digest, black_box(long).wrapping_mul(black_box(u64::from(a) << 32 | u64::from(b))));
+        digest =
+            take_bits(digest, black_box(long).wrapping_mul(black_box(u64::from(a) << 32 | u64::from(b))));
         digest = take_bits(digest, black_box(u64::from(a)).wrapping_mul(black_box(u64::from(b))));
     }
     digest

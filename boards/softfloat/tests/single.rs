@@ -7,8 +7,11 @@ use soft::trial::Random;
 /// Numbers at the borders: zeros, subnormal and normal numbers, infinities, NaNs, and each exponent with a few
 /// mantissas.
 fn edges() -> Vec<u32> {
-    let mut found = vec![0, 1, 2, 3, 0x7f_fffe, 0x7f_ffff, 0x7f80_0000, 0x7f80_0001, 0x7fc0_0000, 0x7fff_ffff];
-    for exponent in (1..255).step_by(3).chain([127, 128, 126, 150, 151, 157, 158, 159, 189, 190, 191, 254, 253]) {
+    let mut found =
+        vec![0, 1, 2, 3, 0x7f_fffe, 0x7f_ffff, 0x7f80_0000, 0x7f80_0001, 0x7fc0_0000, 0x7fff_ffff];
+    for exponent in
+        (1..255).step_by(3).chain([127, 128, 126, 150, 151, 157, 158, 159, 189, 190, 191, 254, 253])
+    {
         for mantissa in [0, 1, 2, 0x40_0000, 0x3f_ffff, 0x7f_ffff, 0x7f_fffe, 0x55_5555] {
             found.push(exponent << 23 | mantissa);
         }

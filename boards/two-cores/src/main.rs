@@ -13,10 +13,10 @@ mod line;
 mod machine;
 mod second;
 
+use core::fmt::Write;
 use core::sync::atomic::{AtomicBool, AtomicPtr, AtomicU32, Ordering::*};
 use cortex_m::peripheral::{SYST, syst::SystClkSource};
 use cortex_m_rt::{entry, exception};
-use core::fmt::Write;
 use cortex_m_semihosting::{debug, hio};
 use glidepath::channel::{Channel, Handles, Progress};
 use glidepath::digest::Digest;
@@ -101,7 +101,8 @@ fn planner_core() -> ! {
 /// Core 1: starts its timer and serves the operator after each cycle.
 fn tick_core() -> ! {
     // SAFETY: core 0 has handed on the motion and does not use it again; the interrupt is still off.
-    let Some(operator) = unsafe { HANDED_ON.load(Acquire).as_mut() }.and_then(|motion| motion.operator.take())
+    let Some(operator) =
+        unsafe { HANDED_ON.load(Acquire).as_mut() }.and_then(|motion| motion.operator.take())
     else {
         panic!("core 1 runs before there is something to do")
     };
