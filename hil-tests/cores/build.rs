@@ -1,4 +1,5 @@
-//! Puts the memory map where the linker script looks for it, and says whether the core can run `glidepath-copy`.
+//! Puts the memory map where the linker script looks for it, and says whether the core can run `glidepath-copy`, and has
+//! use for `glidepath-softfloat`.
 use std::{env, fs, path::Path};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -8,10 +9,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     fs::copy(root.join(&map), Path::new(&out).join("memory.x"))?;
     println!("cargo:rustc-link-search={out}");
     let target = env::var("TARGET")?;
-    if target.starts_with("thumbv") && !target.starts_with("thumbv6m") {
+    if target.starts_with("thumbv") {
         println!("cargo:rustc-cfg=copies");
+    }
+    if !target.ends_with("eabihf") {
+        println!("cargo:rustc-cfg=soft");
     }
     println!("cargo:rerun-if-changed={}", root.join(&map).display());
     println!("cargo:rerun-if-env-changed=HIL_MEMORY_X");
+    println!("cargo:rerun-if-env-changed=HIL_FLOATS");
     Ok(())
 }

@@ -1,6 +1,8 @@
 //! Conversions between 64-bit integers and `f32` without library calls. All operations are exact or correctly
 //! rounded, so every machine gives the same bits.
 
+use super::soft::{self, IS_SOFT};
+
 const TWO_32: f32 = 4_294_967_296.0;
 
 /// `x` as `f32`, relative error at most 2^-23: each half is rounded, then the sum. Mirrored input gives
@@ -14,6 +16,9 @@ pub fn to_f32(x: i64) -> f32 {
 /// `x` as `f32`, relative error at most 2^-23.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn size_f32(x: u64) -> f32 {
+    if IS_SOFT {
+        return soft::size_f32(x);
+    }
     (x >> 32) as u32 as f32 * TWO_32 + x as u32 as f32
 }
 
@@ -21,6 +26,9 @@ pub fn size_f32(x: u64) -> f32 {
 /// negative values give 0.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn to_bits<const SCALE: u32>(x: f32) -> i64 {
+    if IS_SOFT {
+        return soft::integer(x, SCALE);
+    }
     // Both factors are powers of two: the products are exact, and so is the difference.
     let upper = x * const { (1u64 << (SCALE - 32)) as f32 };
     let whole = upper as i32;
@@ -34,6 +42,10 @@ pub fn to_bits<const SCALE: u32>(x: f32) -> i64 {
 /// The integer part of `x`, exact, rounded toward zero; magnitudes from 2^63 on become 2^63 − 1.
 #[cfg_attr(feature = "fast", inline(always))]
 pub fn to_i64(x: f32) -> i64 {
+    if IS_SOFT {
+        let size = soft::integer(magnitude(x), 0);
+        return if x < 0.0 { -size } else { size };
+    }
     // A power of two and a difference: both are exact where the result depends on them.
     let upper = magnitude(x) * (1.0 / TWO_32);
     let whole = upper as i32;

@@ -5,6 +5,7 @@
 //! functions here use products of 32 by 32 bits and one 32-bit hardware division instead. Where they use
 //! `f32`, they use only IEEE operations, which round in the same way on every machine.
 pub mod float;
+pub mod soft;
 pub mod wide;
 
 pub mod divide;

@@ -4,6 +4,7 @@
 //! 1/√x; the first steps use `f32`. The product s = x·y is then close to √x. The step s ← s + (x − s²)·y/2
 //! (Karp and Markstein) improves s, and an exact remainder decides the last unit. The integer roots need
 //! neither a division nor a loop.
+use super::soft::{self, IS_SOFT};
 use super::wide::mul_wide;
 use micromath::F32Ext;
 
@@ -125,8 +126,10 @@ pub fn sqrt_f32(x: f32) -> f32 {
 #[cfg_attr(feature = "fast", inline(always))]
 fn heron(x: f32) -> f32 {
     let mut s = f32::from_bits((x.to_bits() + 0x3f80_0000) >> 1);
-    s = 0.5 * (s + x / s);
-    s = 0.5 * (s + x / s);
+    // The sum is normal, so half of it is exact.
+    let half = |x: f32| if IS_SOFT { soft::half(x) } else { 0.5 * x };
+    s = half(s + x / s);
+    s = half(s + x / s);
     // The difference is exact, so only half of it carries the quotient's rounding.
     s + 0.5 * (x / s - s)
 }

@@ -12,6 +12,9 @@ const LIMIT: Duration = Duration::from_secs(1800);
 /// Time limit of a program with serial input, which waits for ever after a lost byte.
 const TALK_LIMIT: Duration = Duration::from_secs(240);
 
+/// The emulated reference machine.
+const REFERENCE: &str = "netduinoplus2";
+
 /// Chip of the reference board.
 const CHIP: &str = "STM32F405RGTx";
 
@@ -154,7 +157,7 @@ impl Firmware {
     fn run_file(&self, name: &str, file: &Path) -> Result<Output, String> {
         let mut command = match self.place {
             Place::Emulator => {
-                let mut command = emulator(&self.runner, "netduinoplus2");
+                let mut command = emulator(&self.runner, REFERENCE);
                 command.args(["-icount", "shift=0,sleep=off", "-kernel"]);
                 command
             }
@@ -174,30 +177,40 @@ impl Firmware {
 
     /// Output of a binary with serial input: `sender` returns the next bytes after each new output.
     pub fn talk(&self, name: &str, sender: impl FnMut(&[u8]) -> Option<Vec<u8>>) -> Result<String, String> {
-        let output = self.speak(name, sender)?;
+        self.talk_on(REFERENCE, &artifact(name), sender)
+    }
+
+    /// The same on another machine.
+    pub fn talk_on(
+        &self,
+        machine: &str,
+        file: &Path,
+        sender: impl FnMut(&[u8]) -> Option<Vec<u8>>,
+    ) -> Result<String, String> {
+        let output = shell::talk(&mut self.with_line(machine, file, "stdio"), TALK_LIMIT, sender)?;
         let text = String::from_utf8_lossy(&output.out).into_owned();
         if output.success {
             return Ok(text);
         }
-        Err(format!("{name} failed on the target:\n{text}\n{}", output.err))
+        Err(format!("{} failed on the target:\n{text}\n{}", file.display(), output.err))
     }
 
     /// The same, with the other output, also after a failure.
     pub fn speak(&self, name: &str, sender: impl FnMut(&[u8]) -> Option<Vec<u8>>) -> Result<Output, String> {
-        shell::talk(&mut self.with_line(name, "stdio"), TALK_LIMIT, sender)
+        shell::talk(&mut self.with_line(REFERENCE, &artifact(name), "stdio"), TALK_LIMIT, sender)
     }
 
     /// Command for a binary in the emulator with its first serial line at a pseudo terminal. The first output
     /// names the terminal.
     pub fn at_terminal(&self, name: &str) -> Command {
-        self.with_line(name, "pty")
+        self.with_line(REFERENCE, &artifact(name), "pty")
     }
 
-    fn with_line(&self, name: &str, line: &str) -> Command {
+    fn with_line(&self, machine: &str, file: &Path, line: &str) -> Command {
         let mut command = Command::new(&self.runner);
-        command.args(["-M", "netduinoplus2", "-nographic", "-monitor", "none", "-serial", line]);
+        command.args(["-M", machine, "-nographic", "-monitor", "none", "-serial", line]);
         command.args(["-semihosting-config", "enable=on,target=native", "-icount", "shift=0,sleep=off"]);
-        command.arg("-kernel").arg(artifact(name));
+        command.arg("-kernel").arg(file);
         command
     }
 
@@ -241,6 +254,10 @@ pub fn small(name: &str) -> PathBuf {
 
 /// A binary in the folder of firmware artifacts.
 pub fn artifact(name: &str) -> PathBuf {
-    let folder: &Path = &toolchain::folder_of_artifacts();
-    folder.join(TARGET).join("release").join(name)
+    artifact_of(TARGET, name)
+}
+
+/// A binary for another core.
+pub fn artifact_of(target: &str, name: &str) -> PathBuf {
+    toolchain::folder_of_artifacts().join(target).join("release").join(name)
 }

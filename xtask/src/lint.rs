@@ -5,7 +5,8 @@ use crate::toolchain::{TARGET, Toolchain, clippy_driver};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
-const FIRMWARE: [&str; 5] = ["hil-tests", "boards/stm32f405", "boards/c", "boards/embassy", "boards/rtic"];
+const FIRMWARE: [&str; 6] =
+    ["hil-tests", "boards/stm32f405", "boards/c", "boards/embassy", "boards/rtic", "boards/two-cores"];
 
 /// Other cores. The cores of the first and the last kind can only load and store words.
 const CORES: [&str; 5] = [

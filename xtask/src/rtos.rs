@@ -1,6 +1,6 @@
-//! Runs Glidepath with RTIC, Embassy, FreeRTOS and C programs in the emulator: the digest must equal the
-//! PC's.
-use crate::firmware::{Firmware, Place, artifact};
+//! Runs Glidepath with RTIC, Embassy, FreeRTOS and C programs, and on two cores, in the emulator: the digest
+//! must equal the PC's.
+use crate::firmware::{Firmware, Place, artifact, artifact_of};
 use crate::host::{self, HostRun};
 use crate::shell::{root, step};
 use crate::{shell, target, toolchain};
@@ -54,6 +54,15 @@ const READY: char = '\u{11}';
 /// Output of a program at which the sender sends the first part, and the second part.
 const SIGNALS: [&[u8]; 2] = [b"\x11", b"N80"];
 
+/// Target and machine of the program for two cores. The first core of the machine has no floating point.
+const TWO_CORES_TARGET: &str = "thumbv8m.main-none-eabi";
+const TWO_CORES_MACHINE: &str = "mps2-an521";
+const TWO_CORES: Program = Program {
+    name: "two-cores",
+    binary: "glidepath-two-cores",
+    sources: &["src/main.rs", "src/second.rs", "src/line.rs"],
+};
+
 /// Each program: its name in `cargo xtask rtos NAME`, its binary, and the files of its folder that a user
 /// writes.
 struct Program {
@@ -81,7 +90,7 @@ const C_PROGRAMS: [Program; 2] = [
 
 /// Runs only these programs: `cargo xtask rtos`, or the program `name`.
 pub fn all(name: Option<&str>) -> Result<(), String> {
-    let known = RUST.iter().chain(&C_PROGRAMS).map(|program| program.name);
+    let known = RUST.iter().chain(&C_PROGRAMS).chain([&TWO_CORES]).map(|program| program.name);
     if let Some(name) = name
         && !known.clone().any(|other| other == name)
     {
@@ -109,10 +118,15 @@ fn chosen(firmware: &Firmware, name: Option<&str>) -> Result<(), String> {
     }
     // One build, so that common parts are compiled once.
     let packages: Vec<&str> = packages.iter().flat_map(|name| ["--package", name]).collect();
-    firmware.build(TASKS, &packages, &[])?;
-    step("in an operating system, and in C");
+    if !packages.is_empty() {
+        firmware.build(TASKS, &packages, &[])?;
+    }
+    step("in an operating system, in C, and on two cores");
     for program in rust {
         alike(&host, program, firmware)?;
+    }
+    if is_chosen(&&TWO_CORES) {
+        two_cores(firmware, &host)?;
     }
     match compiler {
         Ok(compiler) => c.iter().try_for_each(|program| c_program(firmware, &host, &compiler, program)),
@@ -121,6 +135,18 @@ fn chosen(firmware: &Firmware, name: Option<&str>) -> Result<(), String> {
             Ok(())
         }
     }
+}
+
+/// Builds and runs the program for two cores.
+fn two_cores(firmware: &Firmware, host: &HostRun) -> Result<(), String> {
+    if !firmware.toolchain().has(TWO_CORES_TARGET) {
+        eprintln!("   {}: off, no library for {TWO_CORES_TARGET} (`rustup target add`)", TWO_CORES.name);
+        return Ok(());
+    }
+    let mut command = firmware.toolchain().cargo(&root().join(TASKS), "build", TWO_CORES_TARGET);
+    shell::run(command.args(["--package", TWO_CORES.binary]))?;
+    let file = artifact_of(TWO_CORES_TARGET, TWO_CORES.binary);
+    alike_on(host, &TWO_CORES, |answer| firmware.talk_on(TWO_CORES_MACHINE, &file, answer))
 }
 
 /// Writes the header for C: `cargo xtask header`.
@@ -170,11 +196,23 @@ fn parts() -> [Vec<u8>; 2] {
     [first, second].map(|part| [part, &[END_OF_PART]].concat())
 }
 
+/// Runs a program on the reference machine, as [`alike_on`].
+fn alike(host: &HostRun, program: &Program, firmware: &Firmware) -> Result<(), String> {
+    alike_on(host, program, |answer| firmware.talk(program.binary, answer))
+}
+
+/// The sender's next bytes, after each new output of the program.
+type Sender<'a> = &'a mut dyn FnMut(&[u8]) -> Option<Vec<u8>>;
+
 /// Runs a program, with its text over the serial line. Checks set points and functions against the PC's, and
 /// the number of user lines against the folder's README.
-fn alike(host: &HostRun, program: &Program, firmware: &Firmware) -> Result<(), String> {
+fn alike_on(
+    host: &HostRun,
+    program: &Program,
+    talk: impl FnOnce(Sender<'_>) -> Result<String, String>,
+) -> Result<(), String> {
     let (name, mut parts, mut next) = (program.name, parts(), 0);
-    let report = firmware.talk(program.binary, |said| {
+    let report = talk(&mut |said| {
         let signal = SIGNALS.get(next)?;
         let is_time = said.windows(signal.len()).any(|word| word == *signal);
         let part = parts.get_mut(next).filter(|_| is_time)?;

@@ -6,10 +6,13 @@
 //! and are a kilobyte smaller. The linker takes these functions, because the compiler's functions are weak.
 //!
 //! Unaligned words are read and written directly. These cores permit this, unless CCR.UNALIGN_TRP is set; the
-//! compiler's own code relies on the same.
+//! compiler's own code relies on the same. For ARMv6-M the crate has copies only, which read no unaligned word.
 #![no_std]
 
-#[cfg(target_arch = "arm")]
+#[cfg(all(target_arch = "arm", narrow))]
+mod narrow;
+
+#[cfg(all(target_arch = "arm", not(narrow)))]
 mod eabi {
     use core::arch::naked_asm;
 

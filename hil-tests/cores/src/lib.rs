@@ -4,12 +4,14 @@
 #![no_std]
 
 mod counter;
+mod floats;
 mod host;
 mod memory;
 mod stack;
 mod start;
 
 pub use counter::{around, around_nothing, elapsed, now};
+pub use floats::floats;
 pub use host::{Report, exit};
 pub use memory::channel;
 pub use stack::{depth, paint};

@@ -216,3 +216,29 @@ fn float_cube_root() {
     assert_eq!(cbrt_f32(0.0), 0.0);
     assert_eq!(cbrt_f32(f32::INFINITY), f32::INFINITY);
 }
+
+/// Cores without floating point convert by integers: the same bits at the borders of all exponents and between.
+#[test]
+fn conversions_by_integers_have_the_same_bits() {
+    use glidepath::math::{float, soft};
+    for exponent in 0..256u32 {
+        for mantissa in [0, 1, 0x2a_aaaa, 0x40_0000, 0x7f_ffff] {
+            for sign in [0, 1 << 31] {
+                let x = f32::from_bits(sign | exponent << 23 | mantissa);
+                assert_eq!(soft::integer(x, 58), float::to_bits::<58>(x), "{x:e}");
+                assert_eq!(soft::integer(x, 40), float::to_bits::<40>(x), "{x:e}");
+                assert_eq!(soft::integer(x.abs(), 0), float::to_i64(x.abs()), "{x:e}");
+                if sign == 0 && (2..254).contains(&exponent) {
+                    assert_eq!(soft::half(x), 0.5 * x);
+                }
+            }
+        }
+    }
+    let mut x = 1u64;
+    for _ in 0..100_000 {
+        x = x.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        for x in [x, x >> 20, x >> 31, x >> 33, x & 0xffff_ffff_0000_0000] {
+            assert_eq!(soft::size_f32(x).to_bits(), float::size_f32(x).to_bits(), "{x}");
+        }
+    }
+}

@@ -8,7 +8,7 @@ use glidepath::machine::MachineData;
 use glidepath::nc::Step;
 use glidepath::quantity::Position;
 use hil_cases::{AXES_3_SHORT, Case, Failure, Outcome, SHORT, Watch, run};
-use hil_cores::{Report, around, around_nothing, channel, depth, elapsed, exit, now, paint};
+use hil_cores::{Report, around, around_nothing, channel, depth, elapsed, exit, floats, now, paint};
 
 #[cfg(feature = "full")]
 use hil_cases::CASES_CORES as CASES;
@@ -103,6 +103,7 @@ fn all() -> ! {
         good &= one(channel, case, reading, &mut report);
     }
     let _ = writeln!(report, "memory channel {} stack {}", size_of::<Channel<3, SHORT>>(), depth());
+    floats(&mut report);
     report.flush();
     exit(good)
 }
