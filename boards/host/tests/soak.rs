@@ -79,6 +79,14 @@ impl Sender {
         panic!("seed {seed}: {what}, {answers} of {sent} answers\n{}", self.trail.join("\n"));
     }
 
+    /// The next line. Without one the test fails and shows what was said before.
+    fn heard(&mut self) -> String {
+        match self.talk.try_line() {
+            Ok(line) => line,
+            Err(error) => self.wrong(&format!("no answer ({error}), last report {}", self.report)),
+        }
+    }
+
     fn keep(&mut self, text: String) {
         if self.trail.len() > 60 {
             self.trail.remove(0);
@@ -114,7 +122,7 @@ impl Sender {
     fn look(&mut self) {
         self.talk.send(b"?");
         loop {
-            let line = self.talk.line();
+            let line = self.heard();
             if line.starts_with('<') {
                 if !is_report(&line) {
                     self.wrong(&line);
@@ -243,7 +251,7 @@ impl Sender {
         }
         self.bytes(b"\x18");
         loop {
-            let line = self.talk.line();
+            let line = self.heard();
             self.keep(format!("< {line}"));
             if line.starts_with("Grbl ") {
                 break;
