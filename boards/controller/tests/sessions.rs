@@ -23,7 +23,8 @@ fn a_hundred_random_sessions() {
 #[test]
 #[ignore = "minutes"]
 fn thousands_of_random_sessions() {
-    let count = std::env::var("GLIDEPATH_SESSIONS").ok().and_then(|count| count.parse().ok()).unwrap_or(10_000);
+    let count =
+        std::env::var("GLIDEPATH_SESSIONS").ok().and_then(|count| count.parse().ok()).unwrap_or(10_000);
     let fresh = bench::fresh_seed();
     sessions(fresh..fresh + count);
 }

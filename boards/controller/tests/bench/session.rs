@@ -337,7 +337,8 @@ impl Session<'_> {
         let (a, b, c, f) = (self.place(), self.place(), self.place(), 1500 + self.random.below(5000));
         let random = &mut self.random;
         let mut of = |choice: &[&str]| choice[random.below(choice.len() as u64) as usize].to_owned();
-        let kind = of(&["line", "line", "line", "rapid", "arc", "jog", "wait", "wait", "bad", "ask", "set", "$H"]);
+        let kind =
+            of(&["line", "line", "line", "rapid", "arc", "jog", "wait", "wait", "bad", "ask", "set", "$H"]);
         match kind.as_str() {
             "line" if f % 3 == 0 => format!("G1X{a}F{f}"),
             "line" => format!("G90 G1 X{a} Y{b} Z{c} F{f}"),
@@ -346,13 +347,32 @@ impl Session<'_> {
             "jog" if f % 2 == 0 => format!("$J=G91X{}F{f}", of(&["0.5", "-0.5", "-0.01", "3"])),
             "jog" => format!("$J=G53X{a}Z{c}F{f}"),
             "wait" if f % 4 == 0 => format!("G38.{}Z{c}F{f}", 2 + f % 5),
-            "wait" => of(&["G4P0.01", "G4P0.2", "G4P0", "M0", "M1", "M6", "M60", "M30", "M2", "%", "M3S500", "M5"]),
-            "bad" => of(&["G77", "X", "G1X9", "G2X-1F9", "$Q", "$J=X1", "1", "G4", "", "(text)", "M98P1", "G38.2"]),
-            "ask" => of(&["$G", "$$", "$#", "$I", "$N", "$", "$X", "$C", "$SLP", "G92X0", "G92.1", "G10L20P1X-1"]),
+            "wait" => {
+                of(&["G4P0.01", "G4P0.2", "G4P0", "M0", "M1", "M6", "M60", "M30", "M2", "%", "M3S500", "M5"])
+            }
+            "bad" => {
+                of(&["G77", "X", "G1X9", "G2X-1F9", "$Q", "$J=X1", "1", "G4", "", "(text)", "M98P1", "G38.2"])
+            }
+            "ask" => {
+                of(&["$G", "$$", "$#", "$I", "$N", "$", "$X", "$C", "$SLP", "G92X0", "G92.1", "G10L20P1X-1"])
+            }
             "set" if f % 3 != 0 => of(&["G90", "G91", "G21", "G54", "G55", "G94", "G17", "G18", "M8", "M9"]),
             "set" => of(&[
-                "$110=4000", "$111=5000", "$120=500", "$22=1", "$22=0", "$20=1", "$20=0", "$1=30", "$10=1",
-                "$RST=#", "$RST=$", "$RST=*", "$23=1", "$N0=G21", "$I=text",
+                "$110=4000",
+                "$111=5000",
+                "$120=500",
+                "$22=1",
+                "$22=0",
+                "$20=1",
+                "$20=0",
+                "$1=30",
+                "$10=1",
+                "$RST=#",
+                "$RST=$",
+                "$RST=*",
+                "$23=1",
+                "$N0=G21",
+                "$I=text",
             ]),
             other => other.to_owned(),
         }
