@@ -356,10 +356,10 @@ fn soak(seed: u64, time: Duration) -> (f64, u64) {
         }
         lines += sender.sent;
         (sender.sent, sender.answers) = (0, 0);
-        pages = if pages == 0 && begun.elapsed() > time / 10 { sender.talk.pages() } else { pages };
+        pages = if pages == 0 && begun.elapsed() > time / 2 { sender.talk.pages() } else { pages };
     }
     sender.check();
-    assert!(sender.talk.pages() <= pages + 64, "{} pages, {pages} at the beginning", sender.talk.pages());
+    assert!(sender.talk.pages() <= pages + 64, "{} pages, {pages} at half time", sender.talk.pages());
     let ticks = sender.talk.end();
     let ticks = ticks.strip_prefix("ticks ").and_then(|ticks| ticks.parse::<u64>().ok()).expect("ticks");
     (ticks as f64, lines)
