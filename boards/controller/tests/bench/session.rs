@@ -17,7 +17,7 @@ use glidepath_controller::{Config, Motion, Signals, State, Stored};
 pub const BANNER: u32 = 2_000;
 
 /// Longest time until everything is answered and at rest, ticks.
-pub const SETTLED: u32 = 40_000;
+pub const SETTLED: u32 = 120_000;
 
 /// What sessions did, and the longest times seen.
 #[derive(Default, Debug)]
