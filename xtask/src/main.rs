@@ -44,7 +44,7 @@ cargo xtask COMMAND
   rtos          only the programs in an operating system and in C: RTIC, Embassy, C, FreeRTOS; digests
   rtos NAME     only that of one of them: rtic, embassy, c, freertos
   senders       real senders stream jobs of up to 5,000 lines to `glidepath serve` and to the controller's firmware in the
-                emulator: pygrbl-streamer, grbl-streamer, bCNC, cncjs; needs Python, Node and a network for the first
+                emulator: pygrbl-streamer, grbl-streamer, bCNC, cncjs; `serve` also with plotdeck, gantrix; needs Python, Node and a network for the first
                 installation
   senders LINES  the same with another number of lines
   senders --short  the first two with 300 lines, as `test` has them; skipped where they cannot be installed

@@ -12,6 +12,9 @@ const PYTHON: [&str; 2] = ["pygrbl-streamer==1.0.5", "grbl-streamer==2.0.2"];
 /// The one in Python that needs a minute.
 const BCNC: [&str; 1] = ["bCNC==0.9.16"];
 
+/// Two more in Python.
+const MORE: [&str; 2] = ["plotdeck==1.0.0", "gantrix==0.1.1"];
+
 /// The sender for Node, and the package that drives it.
 const NODE: [&str; 3] = ["cncjs@1.11.5", "socket.io-client@2", "jsonwebtoken@9"];
 
@@ -27,13 +30,16 @@ const JOBS: &str = "10";
 /// Lines of a job in the short form.
 const SHORT: &str = "300";
 
-/// All four to `serve` and to the firmware; what cannot be installed is an error. The jobs have up to so many lines.
+/// All six to `serve`, four of them to the firmware; what cannot be installed is an error. The jobs have up to so many lines.
 pub fn all(lines: &str) -> Result<(), String> {
     step("senders");
-    let python = python(&[PYTHON.as_slice(), &BCNC].concat())?;
+    let python = python(&[PYTHON.as_slice(), &MORE, &BCNC].concat())?;
     let modules = node()?;
     let program = serve()?;
     quick(&python, lines, &desktop(&program))?;
+    let mut more = Command::new(&python);
+    more.arg(root().join(SCRIPTS).join("more.py")).arg(lines);
+    run(with(&mut more, &desktop(&program)))?;
     let mut tcp = Command::new(&program);
     tcp.args(["serve", "--tcp", "0", "--speed", "20"]);
     slow(&python, &modules, lines, [&tcp, &desktop(&program)])?;

@@ -284,7 +284,9 @@ impl<'a, const AXES: usize, const N: usize> Controller<'a, AXES, N> {
     ) {
         around.motion.abort();
         let is_critical = matches!(code, 1 | 2);
-        self.mode = Mode::Alarm(is_critical);
+        // A reset that waits for standstill still ends with the banner.
+        let is_stopping = matches!(self.mode, Mode::Stopping(_));
+        self.mode = if is_stopping { Mode::Stopping(true) } else { Mode::Alarm(is_critical) };
         self.startup = 2;
         around.out.line(format_args!("ALARM:{code}"));
         if is_critical {

@@ -68,7 +68,7 @@ const fn kind(byte: u8) -> Kind {
         b'?' | 0x80 => Kind::Request(Request::Report),
         b'!' | 0x82 => Kind::Request(Request::Hold),
         b'~' | 0x81 => Kind::Request(Request::Start),
-        0x18 => Kind::Request(Request::Reset),
+        RESET => Kind::Request(Request::Reset),
         0x84 => Kind::Request(Request::Door),
         0x85 => Kind::Request(Request::JogCancel),
         0x90..=0x97 | 0x99..=0x9e | 0xa0 | 0xa1 => Kind::Key,
@@ -76,6 +76,15 @@ const fn kind(byte: u8) -> Kind {
         _ => Kind::Text,
     }
 }
+
+/// Whether a byte is text. All other bytes act at once, or are dropped.
+#[must_use]
+pub const fn is_text(byte: u8) -> bool {
+    matches!(kind(byte), Kind::Text)
+}
+
+/// 0x18: the soft reset, which drops the text before it.
+pub const RESET: u8 = 0x18;
 
 const fn key(byte: u8) -> Option<Key> {
     Some(match byte {

@@ -15,7 +15,7 @@
 #![forbid(unsafe_code)]
 
 pub use controller::{Config, Controller, Look, Outputs, STORED_BYTES, Stored};
-pub use inbox::{Inbox, Receiver, Serial};
+pub use inbox::{Inbox, RESET, Receiver, Serial, is_text};
 pub use line::{LINE_BYTES, LineText};
 pub use motion::{Homing, Jog, Message, Modal, Motion, Offsets, Overrides, Refusal, Spindle, Status, Taken};
 pub use number::Fixed;

@@ -284,3 +284,46 @@ fn a_dwell_is_a_rest_for_hold_and_door() {
         assert_eq!(rig.at(0), 1.0);
     });
 }
+
+/// A reset in any tick: a pause, a dwell or a probing line at the end of a motion never keeps the banner back.
+#[test]
+fn a_reset_in_any_tick_ends_with_the_banner() {
+    for last in ["M0", "M6", "G4P0.05", "G38.4Z-1F600", "G38.2Z-1F600", "M30"] {
+        for ticks in 0..260 {
+            rig(|rig| {
+                rig.send(format!("G1X-4F3000\n{last}\nG1X-5\n"));
+                rig.ticks(ticks);
+                rig.send([0x18]);
+                rig.ticks(400);
+                let said = rig.read();
+                assert!(said.contains("Grbl 1.1h"), "{last}, reset in tick {ticks}: {said}{}", rig.report());
+                // An alarm before the reset locks the machine.
+                let wanted = if said.contains("ALARM:") { "Alarm" } else { "Idle" };
+                assert_eq!(rig.state(), wanted, "{last}, reset in tick {ticks}");
+            });
+        }
+    }
+}
+
+/// A fault of the drives brakes and locks; also while a reset brakes, whose banner still follows.
+#[test]
+fn a_fault_of_the_drives_locks() {
+    rig(|rig| {
+        assert_eq!(rig.ask("G1X-30F3000"), "ok\n");
+        rig.ticks(200);
+        rig.machine.fault();
+        rig.ticks(400);
+        assert_eq!(rig.read(), "ALARM:17\r\n");
+        assert_eq!(rig.state(), "Alarm");
+        assert_eq!(rig.ask("G1X-1"), "error:9\n");
+        assert_eq!(rig.ask("$X"), "[MSG:Caution: Unlocked]\nok\n");
+        assert_eq!(rig.ask("G1X-20F3000"), "ok\n");
+        rig.ticks(100);
+        rig.send([0x18]);
+        rig.ticks(2);
+        rig.machine.fault();
+        rig.ticks(400);
+        let said = rig.read();
+        assert_eq!(said, "ALARM:17\r\n\r\nGrbl 1.1h ['$' for help]\r\n[MSG:'$H'|'$X' to unlock]\r\n");
+    });
+}

@@ -225,3 +225,33 @@ fn a_damaged_store_is_refused() {
     }
     assert!(refused(env!("CARGO_TARGET_TMPDIR")).contains("serve: "));
 }
+
+/// A sender that counts nothing fills the serial input during a hold: reports and the reset come nevertheless, and no line
+/// is lost.
+#[test]
+fn real_time_bytes_act_behind_text_without_room() {
+    let mut talk = Talk::new();
+    assert_eq!(talk.ask("G21 G90"), ["ok"]);
+    talk.send(b"!");
+    talk.until("<Hold:0");
+    let text: String = (0..400).map(|i| format!("G1 X{}.250 Y{}.125 F9000\n", i % 7, i % 5)).collect();
+    talk.send(text.as_bytes());
+    talk.until("<Hold:0");
+    talk.send(b"~");
+    for _ in 0..400 {
+        let line = talk.line();
+        assert_eq!(line, "ok");
+    }
+    assert!(talk.until("<Idle").contains("MPos:0.250,4.125,"));
+    talk.send(b"!");
+    talk.until("<Hold:0");
+    talk.send(text.as_bytes());
+    talk.send(b"\x18");
+    let mut said = talk.line();
+    while !said.starts_with("Grbl ") {
+        said = talk.line();
+    }
+    // What stood before the reset is gone.
+    assert_eq!(talk.ask("$X"), ["ok"]);
+    assert!(talk.report().contains("MPos:0.250,4.125,"));
+}

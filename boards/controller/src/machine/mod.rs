@@ -290,6 +290,9 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
                 Function::M(8) => switched.flood = true,
                 Function::M(9) => (switched.mist, switched.flood) = (false, false),
                 Function::Spindle(speed) => switched.rpm = speed.saturating_to_num::<u32>(),
+                // An abort has dropped the lines behind the pause: a stop that was already planned may still
+                // reach the point of the pause, and no cycle start would come.
+                Function::M(0 | 1 | 6 | 60) if self.line.end == Some(End::Aborted) => continue,
                 Function::M(code @ (0 | 1 | 6 | 60)) if output.waits => {
                     switched.paused = Some(code);
                     continue;
@@ -364,6 +367,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<
         if !self.planner.is_at_rest() || self.operator.status().state != State::Idle {
             return;
         }
+        // Functions of the text that has ended, while its end is still known.
+        self.switch();
         let goes_on = match self.line.end {
             Some(End::Refused) => self.planner.go_on().is_ok() || self.planner.load_next().is_ok(),
             _ => self.planner.load_next().is_ok(),

@@ -326,6 +326,8 @@ impl<const AXES: usize, const BLOCKS: usize, const OVERLAYS: usize> Machine<'_, 
         self.line = Offered { end: Some(End::Aborted), ..Offered::NONE };
         self.switched.paused = None;
         self.cycles.probe = None;
+        // An alarm of a probing line ends with the line; other alarms stay.
+        self.cycles.alarm = self.cycles.alarm.filter(|code| !matches!(code, 4 | 5));
         self.work();
     }
 

@@ -2,6 +2,7 @@
 #![allow(dead_code)]
 pub mod corruption;
 pub mod homing;
+pub mod session;
 pub mod soak;
 pub mod world;
 
@@ -300,11 +301,11 @@ impl Store<AXES> for Memory {
 #[derive(Default)]
 pub struct Sink(pub Vec<u8>);
 
-impl embedded_io::ErrorType for Sink {
+impl glidepath_controller::io::ErrorType for Sink {
     type Error = core::convert::Infallible;
 }
 
-impl embedded_io::Write for Sink {
+impl glidepath_controller::io::Write for Sink {
     fn write(&mut self, bytes: &[u8]) -> Result<usize, Self::Error> {
         self.0.extend_from_slice(bytes);
         Ok(bytes.len())

@@ -234,40 +234,90 @@ pub fn with_rig<R>(settings: &Settings<AXES>, world: World, talk: impl FnOnce(&m
 
 /// The same with what a store holds.
 pub fn with_store<R>(
-    mut config: Config<AXES>,
+    config: Config<AXES>,
     flash: MemoryFlash<8192>,
     world: World,
     talk: impl FnOnce(&mut Rig<'_>) -> R,
 ) -> R {
+    let mut talk = Some(talk);
+    let mut result = None;
+    with_successors(config, flash, world, |rig| {
+        result = talk.take().map(|talk| talk(rig));
+        None
+    });
+    result.expect("one talk")
+}
+
+/// What outlives a machine.
+struct Around {
+    controller: Controller<'static, AXES, BUFFER>,
+    receiver: Receiver<'static, BUFFER>,
+    world: World,
+    latch: Latch<AXES>,
+    store: Parameters<MemoryFlash<8192>, AXES>,
+    now_ms: u32,
+    points: [Position; AXES],
+    banner: String,
+}
+
+/// Talks to a machine until `talk` returns no successor. With other machine data a new machine takes over, as
+/// on a board.
+pub fn with_successors(
+    mut config: Config<AXES>,
+    flash: MemoryFlash<8192>,
+    world: World,
+    mut talk: impl FnMut(&mut Rig<'_>) -> Option<Carried<AXES>>,
+) {
     let mut store = Parameters::open(flash).expect("large enough");
     let stored = store.load(&mut config);
-    let settings = &config.settings;
-    let data = data(settings);
+    let mut data = data(&config.settings);
     let mut channel = Box::new(Channel::<AXES, BLOCKS, AXES>::new());
     let mut memory = Box::new(MachineMemory::new());
-    let carried = Carried::new([Position::ZERO; AXES], *settings, stored);
-    let parts = memory.split();
-    let handles = channel.split(&data, carried.position, parts.0).expect("machine data");
-    let (machine, interpolator) = Machine::new(handles, parts, &data, &carried);
+    let mut carried = Carried::new([Position::ZERO; AXES], config.settings, stored);
     let (receiver, inbox) = serial().split();
-    let mut rig = Rig {
-        machine,
-        interpolator,
+    let mut around = Around {
         controller: Controller::new(inbox, config),
         receiver,
         world,
         latch: Latch::new(3),
-        sink: Sink::default(),
-        motors: None,
         store,
         now_ms: 0,
-        raw: Signals::default(),
         points: [Position::ZERO; AXES],
         banner: String::new(),
     };
-    rig.tick();
-    rig.banner = rig.read();
-    talk(&mut rig)
+    loop {
+        *channel = Channel::new();
+        let parts = memory.split();
+        let handles = channel.split(&data, carried.position, parts.0).expect("machine data");
+        let (machine, interpolator) = Machine::new(handles, parts, &data, &carried);
+        let Around { controller, receiver, world, latch, store, now_ms, points, banner } = around;
+        let (sink, motors, raw) = (Sink::default(), None, Signals::default());
+        let mut rig = Rig {
+            machine,
+            interpolator,
+            controller,
+            receiver,
+            world,
+            latch,
+            sink,
+            motors,
+            store,
+            now_ms,
+            raw,
+            points,
+            banner,
+        };
+        if rig.now_ms == 0 {
+            rig.tick();
+            rig.banner = rig.read();
+        }
+        let next = talk(&mut rig);
+        let Rig { controller, receiver, world, latch, store, now_ms, points, banner, .. } = rig;
+        around = Around { controller, receiver, world, latch, store, now_ms, points, banner };
+        let Some(next) = next else { return };
+        data = next.settings.onto(&data, &carried.settings);
+        carried = next;
+    }
 }
 
 impl Rig<'_> {

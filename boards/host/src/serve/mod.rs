@@ -17,11 +17,12 @@ use glidepath::machine::MachineData;
 use glidepath::quantity::Position;
 use glidepath::tick::Interpolator;
 use glidepath_controller::machine::{Carried, Latch, Machine, MachineMemory, controller_data};
-use glidepath_controller::{Config, Controller, Look, Motion, Receiver, Serial, Signals};
+use glidepath_controller::{Config, Controller, Look, Motion, RESET, Receiver, Serial, Signals, is_text};
 use inputs::Inputs;
 pub use log::Log;
 pub use page::Page;
 use page::Shown;
+use std::collections::VecDeque;
 use std::io;
 use std::time::{Duration, Instant};
 pub use store::Kept;
@@ -35,6 +36,9 @@ const BLOCKS: usize = 120;
 
 /// Bytes of the serial input.
 const BUFFER: usize = 1024;
+
+/// Bytes of text that may wait in addition to those in the serial input. Further bytes stay with the connection.
+const WAITING: usize = 1 << 20;
 
 /// Options of the run.
 pub struct Options {
@@ -76,6 +80,8 @@ struct Desk<'a> {
     inputs: Inputs,
     latch: Latch<AXES>,
     receiver: Receiver<'a, BUFFER>,
+    /// Text of the sender for which the serial input has no room yet.
+    waiting: VecDeque<u8>,
     controller: Controller<'a, AXES, BUFFER>,
     out: Vec<u8>,
     begun: Instant,
@@ -101,10 +107,10 @@ pub fn run(machine: &MachineData<AXES>, lines: &mut Lines, options: &Options) ->
     }
     let mut carried = Carried::new([Position::ZERO; AXES], config.settings, stored);
     let controller = Controller::new(inbox, config);
-    let (begun, out) = (Instant::now(), Vec::new());
+    let (begun, out, waiting) = (Instant::now(), Vec::new(), VecDeque::new());
     let (inputs, latch) = (Inputs::new(&data, options.plate), Latch::new(1));
     let mut desk =
-        Desk { options, lines, inputs, latch, receiver, controller, out, begun, ticks: 0, late: 0 };
+        Desk { options, lines, inputs, latch, receiver, waiting, controller, out, begun, ticks: 0, late: 0 };
     // Large for a stack.
     let mut memory = Box::new(MachineMemory::new());
     let mut channel = Box::new(Channel::<AXES, BLOCKS, AXES>::new());
@@ -232,20 +238,38 @@ impl Desk<'_> {
         Ok(())
     }
 
-    /// Reads as many bytes from the sender as there is room for. The rest stays with the connection. Returns
-    /// whether bytes were read.
+    /// Reads from the sender. Real-time bytes act at once, also while text before them waits for room. Returns
+    /// whether bytes were read, or text found room.
     fn receive(&mut self) -> io::Result<bool> {
         let mut bytes = [0; 256];
-        let room = self.receiver.room().min(bytes.len());
+        let room = WAITING.saturating_sub(self.waiting.len()).min(bytes.len());
         let count = self.lines.wire.read(bytes.get_mut(..room).unwrap_or_default())?;
         let bytes = bytes.get(..count).unwrap_or_default();
-        for byte in bytes {
-            self.receiver.push(*byte);
-        }
         if let Some(log) = &mut self.lines.log {
             log.row('>', bytes)?;
         }
-        Ok(count > 0)
+        for byte in bytes {
+            if is_text(*byte) {
+                self.waiting.push_back(*byte);
+                continue;
+            }
+            if *byte == RESET {
+                self.waiting.clear();
+            } else {
+                self.pass();
+            }
+            self.receiver.push(*byte);
+        }
+        Ok(self.pass() || count > 0)
+    }
+
+    /// Passes as much text to the controller as there is room for. Returns whether that was any.
+    fn pass(&mut self) -> bool {
+        let count = self.receiver.room().min(self.waiting.len());
+        for byte in self.waiting.drain(..count) {
+            self.receiver.push(byte);
+        }
+        count > 0
     }
 }
 

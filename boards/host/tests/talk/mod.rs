@@ -57,9 +57,16 @@ impl Talk {
     }
 
     pub fn line(&mut self) -> String {
+        self.try_line().expect("it answers")
+    }
+
+    /// The next line, or why there is none.
+    pub fn try_line(&mut self) -> std::io::Result<String> {
         let mut line = String::new();
-        self.lines.read_line(&mut line).expect("it answers");
-        line.trim_end().to_owned()
+        if self.lines.read_line(&mut line)? == 0 {
+            return Err(std::io::ErrorKind::UnexpectedEof.into());
+        }
+        Ok(line.trim_end().to_owned())
     }
 
     /// Lines up to the answer, and that.
