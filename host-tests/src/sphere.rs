@@ -203,7 +203,8 @@ impl Job {
     /// lines. Each corner has one curve of triangular curvature, and its polygon lies `path_dev` outside the
     /// corner, so the curve cuts 2·`path_dev`: for the turn θ the half width is 12·`path_dev`/θ, at most a
     /// line. The corner is passed at one speed with the whole jerk of each axis. Between two corners the speed
-    /// rises as far as the jerk of the slope permits. Where the row permits more than the sphere itself
+    /// rises as far as the jerk of the slope permits. A corner whose curve over both lines lies within `path_dev` counts
+    /// as smooth. Where the row permits more than the sphere itself
     /// ([`Job::bound`]), the sphere binds.
     pub fn rounded_bound(&self, bench: &Bench, path_dev: f64) -> f64 {
         let mut last = [Position::ZERO; 3];
@@ -236,6 +237,9 @@ impl Job {
             let h = 1.0 / 1024.0;
             let (a, b, c) = (at(line - 1, 1.0 - h), at(line, 0.0), at(line, h));
             let mut v = feed;
+            if 0.125 * turn * length(line - 1).max(length(line)) <= path_dev {
+                return (0.0, v);
+            }
             for (k, [_, limit]) in limits.iter().enumerate() {
                 let d = (c[k] - b[k]) / (h * length(line)) - (b[k] - a[k]) / (h * length(line - 1));
                 let d = d.abs().max(1e-12);
