@@ -10,7 +10,7 @@ fn main() -> ExitCode {
     let mut job =
         Job { radius: 50.0, step: 0.3, lines: 20_000, tilt: [20.0, 80.0], digits: 5, feed: 12_000.0 };
     let (mut machine, mut slope, mut smooth) = (String::from("trunnion"), 3, String::from("surface"));
-    let (mut trace, mut own) = (None, 0.0);
+    let (mut trace, mut own, mut path_dev) = (None, 0.0, 0.01);
     for argument in std::env::args().skip(1) {
         let Some((key, value)) = argument.split_once('=') else {
             eprintln!("{argument}: expected KEY=VALUE");
@@ -27,6 +27,7 @@ fn main() -> ExitCode {
             "digits" => job.digits = number as usize,
             "feed" => job.feed = number,
             "own" => own = number,
+            "dev" => path_dev = number,
             "slope" => slope = number as u8,
             "smooth" => smooth = value.to_owned(),
             "trace" => trace = Some(value.to_owned()),
@@ -39,9 +40,9 @@ fn main() -> ExitCode {
         }
     }
     let command = match smooth.as_str() {
-        "surface" => "#HSC ON [SURFACE PATH_DEV=0.01]",
-        "bspline" => "#HSC ON [BSPLINE PATH_DEV=0.01]",
-        "dev" => "#CONTOUR MODE ON [DEV PATH_DEV=0.01]",
+        "surface" => &*format!("#HSC ON [SURFACE PATH_DEV={path_dev}]"),
+        "bspline" => &*format!("#HSC ON [BSPLINE PATH_DEV={path_dev}]"),
+        "dev" => &*format!("#CONTOUR MODE ON [DEV PATH_DEV={path_dev}]"),
         "none" => "",
         other => other,
     };
@@ -50,6 +51,7 @@ fn main() -> ExitCode {
         return ExitCode::FAILURE;
     };
     let bound = job.bound(&bench);
+    let rounded = job.rounded_bound(&bench, path_dev);
     if own > 0.0 {
         // The path of that method itself, driven slowly.
         let slow = Job { feed: own, ..job.clone() };
@@ -62,13 +64,13 @@ fn main() -> ExitCode {
         Ok(shown) => {
             println!(
                 "{machine} R{} {} x {} mm, {:.1} turns, slope {slope}, {smooth}: {:.2} s, bound {bound:.2} s, \
-                 {:+.1} %, {} ticks of rest, slowest line {:.3} of its neighbours (line {}), {:.3} um off; limits {:?}",
+                 {rounded:.2} s with corners {:+.1} %, {} ticks of rest, slowest line {:.3} of its neighbours (line {}), {:.3} um off; limits {:?}",
                 job.radius,
                 job.lines,
                 job.step,
                 turns(&job),
                 shown.time,
-                100.0 * (shown.time / bound - 1.0),
+                100.0 * (shown.time / rounded - 1.0),
                 shown.rest,
                 shown.slowest.0,
                 shown.slowest.1,

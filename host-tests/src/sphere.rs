@@ -172,6 +172,106 @@ impl Job {
     }
 }
 
+/// Limits of each axis: inside a straight motion, and with the geometric ramp time in curves.
+fn both_limits(bench: &Bench) -> Vec<[crate::check::Limits; 2]> {
+    let slope = bench.data.channel.slope_profile;
+    let of = |axis| [false, true].map(|curved| permitted(axis, slope, false, true, curved));
+    bench.data.axes.iter().map(of).collect()
+}
+
+/// Seconds for a straight part of `way` mm between two corners with the speed `slow`: the speed rises up to
+/// `fast` with the path jerk `jerk`, and falls again.
+fn between_corners(way: f64, slow: f64, fast: f64, jerk: f64) -> f64 {
+    if fast <= slow {
+        return way / fast.max(1e-9);
+    }
+    let ramp = |gain: f64| 2.0 * (gain / jerk).sqrt();
+    let far = |gain: f64| (2.0 * slow + gain) * ramp(gain);
+    let (mut low, mut high) = (0.0, fast - slow);
+    if far(high) <= way {
+        return 2.0 * ramp(high) + (way - far(high)) / fast;
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if far(middle) <= way { low = middle } else { high = middle }
+    }
+    2.0 * ramp(low) + (way - far(low)) / (slow + low)
+}
+
+impl Job {
+    /// Time in seconds of the quickest row of smoothing curves whose tip stays within `path_dev` mm of the
+    /// lines. Each corner has one curve of triangular curvature, and its polygon lies `path_dev` outside the
+    /// corner, so the curve cuts 2·`path_dev`: for the turn θ the half width is 12·`path_dev`/θ, at most a
+    /// line. The corner is passed at one speed with the whole jerk of each axis. Between two corners the speed
+    /// rises as far as the jerk of the slope permits. A corner whose curve over both lines lies within `path_dev` counts
+    /// as smooth. Where the row permits more than the sphere itself
+    /// ([`Job::bound`]), the sphere binds.
+    pub fn rounded_bound(&self, bench: &Bench, path_dev: f64) -> f64 {
+        let mut last = [Position::ZERO; 3];
+        let poses: Vec<_> =
+            (0..self.lines + 3).map(|k| self.pose(bench, k as f64 - 1.0, &mut last)).collect();
+        let chain = bench.machine.chain();
+        let limits = both_limits(bench);
+        let at = |line: usize, share: f64| -> [f64; AXES] {
+            let ((p, a), (q, b)) = (&poses[line], &poses[line + 1]);
+            let mix = |x: f64, y: f64| x + (y - x) * share;
+            let tip = Vector::new(mix(p.x, q.x), mix(p.y, q.y), mix(p.z, q.z));
+            let angles: [Position; 3] =
+                std::array::from_fn(|k| Position::from_num(mix(a[k].to_num::<f64>(), b[k].to_num::<f64>())));
+            chain.inverse(tip, &angles).expect("in range").map(|x| x.to_num::<f64>())
+        };
+        let length = |line: usize| {
+            let ((p, _), (q, _)) = (&poses[line], &poses[line + 1]);
+            ((q.x - p.x).powi(2) + (q.y - p.y).powi(2) + (q.z - p.z).powi(2)).sqrt()
+        };
+        let heading = |line: usize| {
+            let ((p, _), (q, _)) = (&poses[line], &poses[line + 1]);
+            [q.x - p.x, q.y - p.y, q.z - p.z].map(|x| x / length(line))
+        };
+        let feed = self.feed / 60.0;
+        // The corner at the start of a line: half width and speed.
+        let corner = |line: usize| {
+            let (before, after) = (heading(line - 1), heading(line));
+            let turn = (0..3).map(|k| (after[k] - before[k]).powi(2)).sum::<f64>().sqrt();
+            let width = (12.0 * path_dev / turn.max(1e-12)).min(length(line - 1)).min(length(line));
+            let h = 1.0 / 1024.0;
+            let (a, b, c) = (at(line - 1, 1.0 - h), at(line, 0.0), at(line, h));
+            let mut v = feed;
+            if 0.125 * turn * length(line - 1).max(length(line)) <= path_dev {
+                return (0.0, v);
+            }
+            for (k, [_, limit]) in limits.iter().enumerate() {
+                let d = (c[k] - b[k]) / (h * length(line)) - (b[k] - a[k]) / (h * length(line - 1));
+                let d = d.abs().max(1e-12);
+                v = v.min((limit.a * width / d).sqrt()).min((limit.jerk * width * width / d).cbrt());
+            }
+            (width, v)
+        };
+        let mut time = 0.0;
+        for line in 1..=self.lines {
+            let (first, last) = (corner(line), corner(line + 1));
+            let l = length(line);
+            let h = 0.125;
+            let x: Vec<_> = (0..4).map(|k| at(line, 0.5 + (f64::from(k) - 1.5) * h)).collect();
+            let (mut fast, mut jerk) = (feed, f64::INFINITY);
+            for (k, [along, limit]) in limits.iter().enumerate() {
+                let s = h * l;
+                let [a, b, c, d] = [x[0][k], x[1][k], x[2][k], x[3][k]];
+                let slope = ((c - b) / s).abs().max(1e-12);
+                let second = ((d - c - b + a) / (2.0 * s * s)).abs();
+                let third = ((d - 3.0 * c + 3.0 * b - a) / (s * s * s)).abs();
+                fast =
+                    fast.min(limit.v / slope).min((limit.a / second).sqrt()).min((limit.jerk / third).cbrt());
+                jerk = jerk.min(along.jerk / slope);
+            }
+            let curved = (first.0 + last.0).min(l);
+            let v = first.1.min(last.1).min(fast);
+            time += curved / v + between_corners(l - curved, v, fast, jerk);
+        }
+        time.max(self.bound(bench))
+    }
+}
+
 /// Results of a job.
 #[derive(Clone, Debug)]
 pub struct Shown {

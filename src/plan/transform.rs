@@ -15,7 +15,7 @@ use crate::kinematics::element::widened;
 use crate::kinematics::{Kinematic, SplitError, Splitter};
 use crate::machine::Beyond;
 use crate::nc::{Motion, MotionKind, Place};
-use crate::path::{self, Bounds, Element, End, Passage};
+use crate::path::{self, Element, End, Passage};
 use crate::quantity::{Distance, Position};
 use crate::smooth::{Data, Form, ProgrammedBlock, Smoothed, Smoother};
 
@@ -66,8 +66,9 @@ struct Job<'a> {
     length: Distance,
     /// Largest ratio of the speed along the curve to the path speed.
     fastest: f32,
-    /// Whether the element is a corner curve that acceleration passes at both ends.
-    is_through: bool,
+    /// How the motion passes the element, where the smoother decides that: at one speed, or with acceleration at
+    /// both ends.
+    passage: Option<Passage>,
     data: Data,
     curving: Curving,
     due: u32,
@@ -164,12 +165,13 @@ impl<'a, const AXES: usize> Transform<'a, AXES> {
             });
         self.exit = Some(element.exit);
         let fastest = element.bounds.as_ref().map_or(1.0, |bounds| bounds.fastest);
-        let is_through = element.bounds.as_ref().is_some_and(Bounds::is_through);
+        let passage = element.bounds.as_ref().map(|bounds| bounds.passage);
+        let passage = passage.filter(|passage| matches!(passage, Passage::Through | Passage::Steady));
         self.job = Some(Job {
             splitter,
             length: element.shape.length,
             fastest,
-            is_through,
+            passage,
             data: *data,
             curving,
             due,
@@ -447,8 +449,8 @@ impl<'a, const AXES: usize, const BLOCKS: usize> Planning<'a, AXES, BLOCKS> {
         if cell.become_element(&mut element, job.length_of(number), kind).is_none() {
             return Some(Next::Refused(SplitError::TooCurved));
         }
-        if let (true, Some(bounds)) = (job.is_through, &mut element.bounds) {
-            bounds.passage = Passage::Through;
+        if let (Some(passage), Some(bounds)) = (job.passage, &mut element.bounds) {
+            bounds.passage = passage;
         }
         let [start, end] = cell.span();
         let is_last = number + 1 >= job.splitter.cells();

@@ -41,3 +41,30 @@ fn shorter_lines_with_dev_take_the_same_time() {
         }
     }
 }
+
+/// Long lines: the sphere lies up to 25 tolerances outside the lines, so each corner is a curve of its own. The bound
+/// is that of a row of such curves inside PATH_DEV (`Job::rounded_bound`).
+#[test]
+fn long_lines_over_a_sphere_take_the_time_of_their_corners() {
+    let cases =
+        [("trunnion", 100.0, 10.0, 1.16), ("trunnion", 100.0, 20.0, 1.08), ("trunnion", 200.0, 10.0, 1.08)];
+    for (machine, radius, step, most) in cases {
+        let (lines, feed) = ((1000.0 / step) as usize, 12_000.0);
+        let job = Job { radius, step, lines, tilt: [20.0, 80.0], digits: 5, feed };
+        let bench = bench(machine, 3).expect("a machine");
+        let bound = job.rounded_bound(&bench, 0.01);
+        for smooth in [SURFACE, DEV] {
+            let shown =
+                run(&bench, &job, smooth).unwrap_or_else(|e| panic!("{radius}, {step}, {smooth}: {e}"));
+            let part = shown.time / bound;
+            println!("R{radius}, {step} mm, {smooth}: {part:.3} of the bound, {:?}", shown.slowest);
+            keeps_limits(&bench, &shown.run).unwrap_or_else(|e| panic!("{radius}, {step}, {smooth}: {e}"));
+            assert!(part < most, "R{radius}, {step} mm, {smooth}: {part} of the bound");
+            assert!(
+                shown.rest == 0 && shown.slowest.0 > 0.5,
+                "R{radius}, {step} mm, {smooth}: {:?}",
+                shown.slowest
+            );
+        }
+    }
+}

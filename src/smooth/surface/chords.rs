@@ -1,6 +1,8 @@
 //! Turns blocks into chords for Surface: a line becomes one chord, an arc many. Inside a long chord, the
 //! module adds vertices on the smooth curve that the chords approximate.
 use super::parameters::{Parameters, Tolerance, Used};
+#[cfg(feature = "kinematics")]
+use super::window::HALF;
 use super::window::{Programmed, Space, Vertex, Window, smoothness};
 use crate::math::float::{max, min, to_f32, to_i64};
 use crate::quantity::{Distance, Position};
@@ -65,6 +67,10 @@ const BULGE: f32 = 0.96;
 /// A curve that exceeds this multiple of the tolerance gets only [`LESS`]; the rest is for the smoothing
 /// curves.
 const FAR: f32 = 1.05;
+/// Under a transformation: from this multiple of the tolerance on, a chord is a long line between two corners.
+/// The half width of a corner's kernel is then less than a third of the line.
+#[cfg(feature = "kinematics")]
+const ALONE: f32 = 5.0;
 /// Places in a chord where the curve is farthest from the chord, as shares of the chord. The first place is
 /// for a curve that bends to one side. The other two are for a curve that crosses its chord.
 const FARTHEST: [f32; 3] = [0.5, 0.211_325, 0.788_675];
@@ -309,6 +315,16 @@ impl<const AXES: usize> Window<AXES> {
         let mut from = (chord.from, [0.0; AXES]);
         let arc = if chord.arc { Vertex::<AXES>::ARC } else { 0 };
         let mut edge = edge;
+        #[cfg(feature = "kinematics")]
+        let is_long = self.is_transformed && self.cuts(between, parameters);
+        #[cfg(feature = "kinematics")]
+        if is_long {
+            (count, long) = (0, false);
+            if let (Some(_), Some(vertex)) = (between.before, self.vertices.back_mut()) {
+                edge = Some(HALF);
+                vertex.make_corner();
+            }
+        }
         let parts = 1.0 / (count + 1) as f32;
         for k in 1..=count.min(BETWEEN) {
             let w = match (long, k) {
@@ -328,6 +344,21 @@ impl<const AXES: usize> Window<AXES> {
         }
         let marks = between.marks | Vertex::<AXES>::PROGRAMMED | arc;
         self.append(&mut from, (&chord.to, &[0.0; AXES]), edge, heading, (chord, marks, used));
+        #[cfg(feature = "kinematics")]
+        if let (true, Some(vertex)) = (is_long, self.vertices.back_mut()) {
+            vertex.make_corner();
+        }
+    }
+
+    /// Whether the curve that the chord approximates lies so far outside the tolerance that each corner is a curve
+    /// of its own ([`ALONE`]). Such a chord has no additional vertices: both ends move, and the line between them.
+    #[cfg(feature = "kinematics")]
+    fn cuts(&self, between: &Between<'_, AXES>, parameters: &Parameters) -> bool {
+        let Between { chord, before, behind, .. } = between;
+        let before = before.map_or(0.0, |before| self.length(&before.turn(chord)));
+        let behind = behind.map_or(0.0, |behind| self.length(&chord.turn(behind)));
+        let Tolerance { path, .. } = parameters.tolerance(chord.programmed.feed.is_none());
+        !chord.half && 0.125 * chord.length * max(before, behind) > ALONE * path
     }
 
     /// Appends a vertex, with the turn at the vertex before.

@@ -8,6 +8,9 @@
 //! Contour mode passes the corner in less time than the smoothing curve, because the speed can change inside
 //! a curve of contour mode. With the slope STEP, the lengths alone decide.
 //!
+//! Under a transformation, contour mode has no curves over time, so only corners of more than 102 degrees are
+//! edges.
+//!
 //! A corner beyond MAX_ANGLE, and a line straight back, are no edges and are not rounded.
 use super::chords::Chord;
 use super::parameters::{Parameters, Tolerance, Used};
@@ -70,6 +73,9 @@ impl<'a> Edges<'a> {
         }
         if turn > SHARPEST {
             return true;
+        }
+        if dynamics.is_transformed() {
+            return false;
         }
         let rapid = before.programmed.feed.is_none() && next.programmed.feed.is_none();
         let Tolerance { path, track } = self.tolerance(rapid, self.parameters.used(&before.stray));

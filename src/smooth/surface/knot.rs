@@ -46,6 +46,10 @@ const NOTHING: f32 = 1e-6;
 /// width.
 const NEAR_STEP: f32 = 0.4652;
 
+/// Margin for rounding of a place at the end of a kernel.
+#[cfg(feature = "kinematics")]
+const WITHIN: f32 = 1.01;
+
 const ONE_40: f32 = (1u64 << 40) as f32;
 const ONE_32: f32 = (1u64 << 32) as f32;
 
@@ -171,6 +175,28 @@ impl<const AXES: usize> Window<AXES> {
             away += next.moved_length;
         }
         None
+    }
+
+    /// Whether an element of `length` (mm) lies inside the kernel of a corner that no other kernel reaches. The
+    /// motion passes this corner at one speed, and the speed changes along the lines.
+    #[cfg(feature = "kinematics")]
+    pub fn is_in_corner(&self, spot: &Spot, length: f32) -> bool {
+        let mut corners = (0..self.moved.saturating_sub(1)).filter_map(|k| {
+            let (vertex, next) = (self.get(k)?, self.get(k + 1)?);
+            let room = min(vertex.moved_length, next.moved_length);
+            let from = if k <= spot.vertex { self.since(spot, k) } else { -self.to_vertex(spot, k) };
+            let most = WITHIN * vertex.width;
+            let inside = vertex.is(Vertex::<AXES>::STRONG) && from >= -most && from + length <= most;
+            inside.then_some(vertex.width <= room)
+        });
+        corners.next().unwrap_or(false)
+    }
+
+    /// Whether an element lies inside the kernel of a corner; never without transformations.
+    #[cfg(not(feature = "kinematics"))]
+    #[inline(always)]
+    pub const fn is_in_corner(&self, _: &Spot, _: f32) -> bool {
+        false
     }
 
     /// Whether an element of `length` (mm) comes near a step of curvature. Near a step, the curvature uses

@@ -450,7 +450,8 @@ impl<const AXES: usize> Surface<AXES> {
     fn begin(&mut self, spot: &Spot, knot: &Knot<AXES>, [length, fastest]: [f32; 2]) -> bool {
         let Some(from) = self.front.as_ref().map(|front| front.spot) else { return false };
         let data = self.data(&from, spot);
-        let steady = self.window.is_near_step(&from, length);
+        let is_corner = self.window.is_transformed() && self.window.is_in_corner(&from, length);
+        let steady = is_corner || self.window.is_near_step(&from, length);
         self.make(data);
         let (Some(made), Some(front)) = (&mut self.made, &self.front) else { return false };
         made.draft = Draft::begin(&mut made.element, [&front.knot, knot], length, fastest);
@@ -669,7 +670,8 @@ impl<const AXES: usize> Surface<AXES> {
 
 impl<const AXES: usize> Smoother<AXES> for Surface<AXES> {
     #[inline(never)]
-    fn take(&mut self, block: &ProgrammedBlock<AXES>, _: &Dynamics<AXES>, parting: Parting) {
+    fn take(&mut self, block: &ProgrammedBlock<AXES>, dynamics: &Dynamics<AXES>, parting: Parting) {
+        self.window.transform(dynamics.is_transformed());
         let moves = block.from.iter().zip(&block.to).enumerate();
         let moves = moves.filter(|(k, _)| self.window.is_main(*k)).any(|(_, (from, to))| from != to);
         let rapid = block.data.feed.is_none() && self.parameters.leaves_rapid();

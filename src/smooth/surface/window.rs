@@ -58,6 +58,9 @@ pub struct Vertex<const AXES: usize> {
     pub marks: u8,
     /// If the chord before the vertex replaces merged lines: the shares of the tolerance that they use.
     pub used: Used,
+    /// Under a transformation: the vertex is a corner of a long line.
+    #[cfg(feature = "kinematics")]
+    pub is_corner: bool,
 }
 
 impl<const AXES: usize> Vertex<AXES> {
@@ -82,6 +85,26 @@ impl<const AXES: usize> Vertex<AXES> {
         self.marks & mark != 0
     }
 
+    /// Whether the vertex is a corner of a long line, under a transformation.
+    #[cfg(feature = "kinematics")]
+    pub const fn is_corner(&self) -> bool {
+        self.is_corner
+    }
+
+    /// Whether the vertex is a corner of a long line; never without transformations.
+    #[cfg(not(feature = "kinematics"))]
+    #[inline(always)]
+    pub const fn is_corner(&self) -> bool {
+        false
+    }
+
+    /// The vertex becomes a corner of a long line: its point moves out by half of the cut of its kernel.
+    #[cfg(feature = "kinematics")]
+    pub fn make_corner(&mut self) {
+        self.is_corner = true;
+        self.gain = min(self.gain, HALF);
+    }
+
     /// Whether the control polygon passes the contour point here.
     pub fn is_on_contour(&self) -> bool {
         self.offset.iter().all(|x| *x == 0.0)
@@ -94,11 +117,23 @@ impl<const AXES: usize> Vertex<AXES> {
         if turn.iter().any(|d| magnitude(*d) > STRAIGHT) {
             self.marks |= Self::TURNS;
         }
-        if length > STRONG {
+        if length > STRONG || self.is_corner() {
             self.marks |= Self::STRONG;
         }
     }
 }
+
+/// Gain of a corner of a long line. The polygon lies outside the corner by half of the kernel's cut, and the curve
+/// lies inside by the other half. So the kernel may cut twice the tolerance ([`WHOLE`]).
+#[cfg(feature = "kinematics")]
+pub const HALF: f32 = 0.5;
+const WHOLE: f32 = 2.0;
+/// Under a transformation: largest gain of a vertex, and additional deviation of its kernel as a part of the
+/// tolerance. The wider kernels of points that move out less make up to a third more speed where lines are as long
+/// as a kernel.
+#[cfg(feature = "kinematics")]
+const TRANSFORMED_GAIN: f32 = 0.6;
+const TRANSFORMED_MORE: f32 = 1.2;
 
 /// A larger turn ends an element at its vertex and where its kernel ends.
 const STRONG: f32 = 0.2;
@@ -161,6 +196,9 @@ pub struct Window<const AXES: usize> {
     pub begun: Option<u32>,
     /// Kernels that become narrower; no other work is done before.
     pub narrowing: Option<Narrowing>,
+    /// Whether a transformation for rotary axes follows.
+    #[cfg(feature = "kinematics")]
+    pub is_transformed: bool,
 }
 
 /// A vertex whose turn (twice the sine of half the angle) is below the first value is smooth; above the
@@ -228,7 +266,33 @@ impl<const AXES: usize> Window<AXES> {
             ended: false,
             begun: None,
             narrowing: None,
+            #[cfg(feature = "kinematics")]
+            is_transformed: false,
         }
+    }
+
+    /// Whether a transformation for rotary axes follows.
+    #[cfg(feature = "kinematics")]
+    pub const fn is_transformed(&self) -> bool {
+        self.is_transformed
+    }
+
+    /// Sets whether a transformation for rotary axes follows.
+    #[cfg(feature = "kinematics")]
+    pub const fn transform(&mut self, is_transformed: bool) {
+        self.is_transformed = is_transformed;
+    }
+
+    /// Does nothing in a build without transformations.
+    #[cfg(not(feature = "kinematics"))]
+    #[inline(always)]
+    pub const fn transform(&mut self, _: bool) {}
+
+    /// Whether a transformation follows; never in a build without transformations.
+    #[cfg(not(feature = "kinematics"))]
+    #[inline(always)]
+    pub const fn is_transformed(&self) -> bool {
+        false
     }
 
     /// Length of a vector in space.
@@ -254,6 +318,10 @@ impl<const AXES: usize> Window<AXES> {
     pub fn begin(&mut self, from: &[Position; AXES], parameters: &Parameters) {
         let widest = parameters.widest();
         self.most = parameters.gain();
+        #[cfg(feature = "kinematics")]
+        if self.is_transformed {
+            self.most = min(self.most, TRANSFORMED_GAIN);
+        }
         self.vertices.clear();
         let programmed = Programmed { feed: None, n: 0, number: 0 };
         let _ = self.vertices.push_back(Vertex {
@@ -269,6 +337,8 @@ impl<const AXES: usize> Window<AXES> {
             programmed,
             marks: Vertex::<AXES>::PROGRAMMED,
             used: Used::NOTHING,
+            #[cfg(feature = "kinematics")]
+            is_corner: false,
         });
         (self.wide, self.moved, self.ended, self.begun) = (1, 1, false, Some(0));
         (self.checked, self.again, self.furthest) = (1, 0, 1);
@@ -349,6 +419,8 @@ impl<const AXES: usize> Window<AXES> {
             programmed,
             marks,
             used,
+            #[cfg(feature = "kinematics")]
+            is_corner: false,
         });
         if self.begun.is_some_and(|begun| distance.wrapping_sub(begun) > 100 << 20) {
             self.begun = None;
@@ -400,7 +472,11 @@ impl<const AXES: usize> Window<AXES> {
         let (length, before) = (vertex.length, k.checked_sub(1).and_then(|k| self.vertices.get(k)));
         cap = min(cap, before.map_or(0.0, |before| before.width + SLOPE * length));
         let tolerance = self.tolerance(k, parameters);
-        let more = 1.0 + MORE * vertex.gain;
+        let more = match self.is_transformed() {
+            true if vertex.is_corner() => WHOLE,
+            true => 1.0 + TRANSFORMED_MORE * vertex.gain,
+            false => 1.0 + MORE * vertex.gain,
+        };
         let near = before.map_or(0.0, |before| before.width);
         let width = self.search((k, near), cap, &tolerance, more);
         if let Some(vertex) = self.vertices.get_mut(k) {

@@ -141,8 +141,7 @@ fn dashed(colour: Colour) -> Stroke {
 fn heading(canvas: &mut dyn Canvas, frame: &Rect, above: f64, row: &dyn Row) {
     let title = TextStyle { size: 13.0, bold: true, ..TextStyle::new(INK) };
     canvas.text(Point(frame.x, above), row.title(), &title);
-    let unit = Point(frame.x + Font::new(title.size, true).width(row.title()) + 8.0, above);
-    canvas.text(unit, &row.unit(), &TextStyle { size: 12.0, ..TextStyle::new(SOFT) });
+    let unit_at = frame.x + Font::new(title.size, true).width(row.title()) + 8.0;
     let mut right = frame.right();
     for (name, colour, dashed) in row.names().iter().rev() {
         let style = TextStyle { size: 11.0, anchor: Anchor::End, ..TextStyle::new(SOFT) };
@@ -153,6 +152,20 @@ fn heading(canvas: &mut dyn Canvas, frame: &Rect, above: f64, row: &dyn Row) {
         canvas.polyline(&[Point(right - 18.0, above - 4.0), Point(right, above - 4.0)], &stroke);
         right -= 30.0;
     }
+    let unit = row.unit();
+    let style = TextStyle { size: UNIT_SIZE, ..TextStyle::new(SOFT) };
+    canvas.text(Point(unit_at, above), fitting(&unit, right - unit_at), &style);
+}
+
+/// Size of a unit's text.
+const UNIT_SIZE: f64 = 12.0;
+
+/// The unit, shortened to the room between the title and the names: without "of each axis", then to its first word.
+fn fitting(unit: &str, room: f64) -> &str {
+    let first = |end: &str| unit.split(end).next().unwrap_or(unit);
+    let forms = [unit, first(" of each axis"), first(" ")];
+    let font = Font::new(UNIT_SIZE, false);
+    forms.into_iter().find(|form| font.width(form) <= room).unwrap_or_else(|| first(" "))
 }
 
 /// Draws the borders of blocks.
@@ -171,5 +184,21 @@ fn borders(canvas: &mut dyn Canvas, frame: &Rect, scene: &Scene<'_>, x: &Scale) 
             let band = Rect { x: left, width: (right - left).max(0.0), ..*frame };
             canvas.fill(&band, Colour(0x2b, 0x7a, 0xb8), 0.055);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The unit of a row gives way to the names of its axes.
+    #[test]
+    fn a_unit_fits_between_title_and_names() {
+        let unit = "% of the limit of each axis";
+        assert_eq!(
+            [400.0, 100.0, 20.0, -5.0].map(|room| fitting(unit, room)),
+            [unit, "% of the limit", "%", "%"]
+        );
+        assert_eq!(fitting("mm/s²", 1.0), "mm/s²");
     }
 }
