@@ -30,7 +30,7 @@ pub(crate) const LIMITS: [(&str, u64); 50] = [
     ("total.poll_max_4_axes", 40_000),
     ("total.poll_max_6_axes", 36_000),
     ("command.poll_max", 90_000),
-    ("command.wait_max", 3600),
+    ("command.wait_max", 3000),
     ("case.hsc.block_mean", 8000),
     ("case.micro.block_mean", 8000),
     ("case.short_arcs.block_mean", 10_260),

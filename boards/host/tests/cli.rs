@@ -490,8 +490,6 @@ fn check_refuses_what_run_refuses() {
         b"[axis.X.kenngr]\nswe_pos = 500000\nswe_neg = -500000\n[axis.Y]\n[axis.Z]\n",
     );
     for (k, line) in [
-        "M0",
-        "M1",
         "E500",
         "D1",
         "G93 F2 X5",

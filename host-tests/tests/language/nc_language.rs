@@ -213,7 +213,7 @@ fn nc_005_m_and_h_come_after_the_motion() {
         names("X1 F1 G61 M25 H7"),
         ["contouring (#CONTOUR MODE, G61, G261, G260)", "G01", "M25+", "H7"]
     );
-    assert_eq!(names("M25\nM999 M0"), ["M25", "M999", "M0"]);
+    assert_eq!(names("M25\nM999 M0"), ["M25", "M999", "pause"]);
     assert_eq!(names("G0 X1 M30"), ["G00", "program end"]);
     assert_eq!(
         names("T5 S1000 D2 G61")[..3],
