@@ -489,18 +489,10 @@ fn check_refuses_what_run_refuses() {
         "m.toml",
         b"[axis.X.kenngr]\nswe_pos = 500000\nswe_neg = -500000\n[axis.Y]\n[axis.Z]\n",
     );
-    for (k, line) in [
-        "E500",
-        "D1",
-        "G93 F2 X5",
-        "G95 F0.1 X5",
-        "G02 X10 Y0 I1 J5",
-        "X60",
-        "G04 S5",
-        "X10 F0.00000001",
-    ]
-    .into_iter()
-    .enumerate()
+    for (k, line) in
+        ["E500", "D1", "G93 F2 X5", "G95 F0.1 X5", "G02 X10 Y0 I1 J5", "X60", "G04 S5", "X10 F0.00000001"]
+            .into_iter()
+            .enumerate()
     {
         let text = format!("N10 G01 X1 F600\nN20 {line}\nN30 X2\nM30\n");
         let program = file(&directory, &format!("p{k}.nc"), text.as_bytes());
