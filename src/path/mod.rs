@@ -25,7 +25,7 @@ mod merge;
 pub mod poly;
 #[cfg(feature = "kinematics")]
 pub mod powers;
-#[cfg(feature = "plc")]
+#[cfg(feature = "driven")]
 pub mod speed;
 
 pub(crate) use arc::arc_to;

@@ -1,4 +1,4 @@
-//! The distance that the axes have driven inside a curve, as the length of the curve itself (feature `plc`).
+//! The distance that the axes have driven inside a curve, as the length of the curve itself (feature `driven`).
 //!
 //! Each curve has a [`Drive`]: its driven length, and the square of the driven speed over its path distance
 //! ([`Shape::squared_speed`]). The length up to a point is the integral of the speed, divided by the integral over the

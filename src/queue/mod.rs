@@ -10,7 +10,7 @@
 //! | `actions` | functions at points of the path |
 //! | `status` | the result of each tick, for the operator |
 //! | `driven` | how far the axes have really moved, also in curves that are planned over time (feature `driven`) |
-//! | `arc_length` | the same with the length of the curve itself (feature `plc`) |
+//! | `arc_length` | the length of a curve as a function of the path distance (feature `driven`) |
 //! | `overlay` | the motion of a single axis |
 //! | `word` | words and places, from which the other files are built |
 //!
@@ -18,7 +18,7 @@
 //! the first piece of motion on this curve, the planner releases the curve to the interrupt. The operator's
 //! commands have words of their own ([`crate::control`]).
 mod actions;
-#[cfg(feature = "plc")]
+#[cfg(feature = "driven")]
 mod arc_length;
 mod cells;
 pub mod clock;
