@@ -30,7 +30,7 @@ pub enum Synch {
     BwdSynch,
     /// FWD_SYNCH: acknowledged in simulated forward motion too.
     FwdSynch,
-    /// MEP_SVS: output before its place, at the distance of [`SynchTable::with_shift`]. The motion waits for
+    /// MEP_SVS: output before its place, at the distance of `SynchTable::with_shift`. The motion waits for
     /// the acknowledgement at the place itself, before the motion of its block (feature `plc`,
     /// FCT_SHIFT_NCBL).
     MepSvs,
@@ -40,7 +40,7 @@ pub enum Synch {
     /// MET_SVS: output a programmed time before its place.
     MetSvs,
     /// FAW_SYNCH: the decoder waits too. A function has this kind in addition to another one:
-    /// [`SynchTable::with_flush`].
+    /// `SynchTable::with_flush`.
     FawSynch,
 }
 
@@ -76,7 +76,7 @@ impl Synch {
             || (cfg!(feature = "plc") && (self.is_late() || self.is_shifted()))
     }
 
-    /// Whether the function is output at a distance before its place: [`SynchTable::with_shift`].
+    /// Whether the function is output at a distance before its place: `SynchTable::with_shift`.
     pub const fn is_shifted(self) -> bool {
         #[cfg(feature = "plc")]
         if matches!(self, Self::MepMos) {
